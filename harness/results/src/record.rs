@@ -1,0 +1,222 @@
+//! The kinds of line in `results.jsonl`.
+
+use crate::Key;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The version of the line format; written as `schema` on every line. A line of a newer schema is refused.
+pub const SCHEMA: u32 = 1;
+
+/// A method's parameters, by name.
+pub type Params = BTreeMap<String, serde_json::Value>;
+
+/// One line of `results.jsonl`; `kind` says which.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Record {
+    /// A cell that was run.
+    Run(Box<Run>),
+    /// A cell that was not run, with the reason.
+    Skip(Skip),
+    /// A cell whose run failed.
+    Failure(Failure),
+    /// The errors of a run's picture against one reference.
+    Score(Score),
+}
+
+impl Record {
+    /// The cell that a run, skip or failure is about; none for a score.
+    pub fn cell(&self) -> Option<&Cell> {
+        match self {
+            Record::Run(run) => Some(&run.cell),
+            Record::Skip(skip) => Some(&skip.cell),
+            Record::Failure(failure) => Some(&failure.cell),
+            Record::Score(_) => None,
+        }
+    }
+}
+
+/// One cell of a plan: everything that decides what a run computes, and hence its [`Cell::key`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// The scene's name or path, for people: not part of the key.
+    pub scene: String,
+    /// Hash of the scene's content, assets included.
+    pub scene_hash: String,
+    /// The method's id, `family/variant`.
+    pub method: String,
+    /// The method's revision: a hash of the sources that it is built from.
+    pub revision: String,
+    /// Its parameters, defaults included.
+    pub params: Params,
+    /// `cpu` or `gpu`.
+    pub backend: String,
+    /// What was computed, such as `direct`.
+    pub quantity: String,
+    /// The seed of everything random in the run.
+    pub seed: u64,
+    /// The frame's index.
+    pub frame: u32,
+    /// Hash of the receivers.
+    pub receivers_hash: String,
+    /// Where times were taken ([`Environment::class`]); none where a cell's times are of no interest.
+    pub timed_on: Option<String>,
+}
+
+impl Cell {
+    /// The key of this cell: two cells have the same key exactly when all their fields but the scene's name are equal.
+    ///
+    /// ```
+    /// use halflight_results::Cell;
+    /// let cell = Cell { method: "shexp/hyb".into(), ..Cell::default() };
+    /// let renamed = Cell { scene: "another name".into(), ..cell.clone() };
+    /// let other = Cell { seed: 1, ..cell.clone() };
+    /// assert_eq!(cell.key(), renamed.key());
+    /// assert_ne!(cell.key(), other.key());
+    /// ```
+    pub fn key(&self) -> Key {
+        let nameless = Self { scene: String::new(), ..self.clone() };
+        Key::of(&nameless).expect("strings, numbers and JSON values have a JSON form")
+    }
+}
+
+/// A finished run of one cell.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// What was run.
+    #[serde(flatten)]
+    pub cell: Cell,
+    /// How many receivers were shaded.
+    pub receivers: usize,
+    /// The picture, `images/<image>.exr`; none where the quantity is not a picture.
+    pub image: Option<Key>,
+    /// Why the method serves this scene only approximately, where it says so.
+    pub approximate: Option<String>,
+    /// Times by span. The whole of a phase bears the phase's own name (`prepare`, `update`, `shade`); any other name is a
+    /// span inside the phase that it states.
+    pub phases: BTreeMap<String, Timing>,
+    /// Build time in nanoseconds of each piece of derived data used, charged apart from the phases. A piece that came
+    /// from a cache keeps the time that building it took.
+    pub derived: BTreeMap<String, f64>,
+    /// Work done, skipped and guarded, by name.
+    pub counters: BTreeMap<String, u64>,
+    /// Memory held after `prepare`, by purpose.
+    pub footprint: Vec<Storage>,
+    /// Where it ran.
+    pub environment: Environment,
+}
+
+/// The three phases of a method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Phase {
+    /// Once a scene.
+    Prepare,
+    /// Once a frame: all that a moving scene forces.
+    Update,
+    /// Per receiver.
+    Shade,
+}
+
+impl Phase {
+    /// All phases in the order in which they run.
+    pub const ALL: [Phase; 3] = [Phase::Prepare, Phase::Update, Phase::Shade];
+
+    /// The name under which the whole phase is timed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Phase::Prepare => "prepare",
+            Phase::Update => "update",
+            Phase::Shade => "shade",
+        }
+    }
+}
+
+/// All samples of one span.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// The phase in which the span lies.
+    pub phase: Phase,
+    /// Wall time of every repeat, in nanoseconds, in the order taken.
+    pub nanoseconds: Vec<f64>,
+}
+
+/// Memory held for one purpose.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Storage {
+    /// What it is for.
+    pub purpose: String,
+    /// Bytes in main memory.
+    pub host_bytes: u64,
+    /// Bytes on the device.
+    pub device_bytes: u64,
+}
+
+/// The machine and the build.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Environment {
+    /// The processor's model name.
+    pub cpu: String,
+    /// Logical cores of the machine.
+    pub cores: usize,
+    /// Threads that the run used.
+    pub threads: usize,
+    /// Operating system and architecture.
+    pub os: String,
+    /// The compiler's version.
+    pub rustc: String,
+    /// The build profile, `release` or `debug`.
+    pub profile: String,
+    /// Halflight's version.
+    pub halflight: String,
+}
+
+impl Environment {
+    /// What times depend on, as one text for [`Cell::timed_on`]: processor, threads, compiler and profile.
+    pub fn class(&self) -> String {
+        format!("{} | {} threads | {} | {} | {}", self.cpu, self.threads, self.os, self.rustc, self.profile)
+    }
+}
+
+/// A cell that was not run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Skip {
+    /// What would have been run.
+    #[serde(flatten)]
+    pub cell: Cell,
+    /// Why it was not.
+    pub reason: String,
+}
+
+/// A cell whose run ended with an error.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// What was run.
+    #[serde(flatten)]
+    pub cell: Cell,
+    /// The error's message.
+    pub error: String,
+}
+
+/// The errors of one picture against one reference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    /// The run's cell key.
+    pub run: Key,
+    /// The picture that was scored. A run made again with another picture makes the score stale.
+    pub image: Key,
+    /// The reference's id, such as `truth`.
+    pub reference: String,
+    /// The reference's key: scene, receivers, frame, samples, seed and revision.
+    pub reference_key: Key,
+    /// The reference's picture in the same store: `images/<reference_image>.exr`.
+    pub reference_image: Key,
+    /// Version of the error measures.
+    pub metrics: u32,
+    /// Receivers valid in both pictures.
+    pub receivers: usize,
+    /// Whether the difference exceeds the reference's own standard error.
+    pub resolved: bool,
+    /// Every error measure by name, the reference's standard error among them.
+    pub measures: BTreeMap<String, f64>,
+}

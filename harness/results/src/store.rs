@@ -1,0 +1,278 @@
+//! The store: a results directory opened for reading and appending.
+
+use crate::exr::read_bytes;
+use crate::{Cell, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score, lines};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A results directory.
+#[derive(Debug)]
+pub struct Store {
+    dir: PathBuf,
+    records: Vec<Record>,
+    /// Each cell's first record stands for its place, the last for its content.
+    cells: HashMap<Key, usize>,
+    order: Vec<Key>,
+    scores: HashMap<Key, Vec<usize>>,
+    warnings: Vec<String>,
+}
+
+/// Why a store could not be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// A file or folder could not be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A line is not a record.
+    #[error("{path}, line {line}: not a record: {message}; repair or delete this line")]
+    Corrupt {
+        /// The file.
+        path: PathBuf,
+        /// The line's number, from 1.
+        line: usize,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A record would not read back as itself.
+    #[error("record not written: it would not read back as itself ({0}); expected finite numbers throughout")]
+    Unwritable(String),
+    /// A picture could not be read or written.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}
+
+/// A line as it stands in the file.
+#[derive(Serialize, Deserialize)]
+struct Line<R> {
+    schema: u32,
+    /// The cell's key, for people and other programs; none on a score's line, whose `run` names the cell.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    key: Option<Key>,
+    #[serde(flatten)]
+    record: R,
+}
+
+impl Store {
+    /// Opens a results directory; one that does not exist yet is an empty store, and is made by the first write.
+    ///
+    /// A torn last line, left by a killed writer, is ignored and reported by [`Store::warnings`].
+    ///
+    /// # Errors
+    /// The file cannot be read, or any other line is not a record.
+    pub fn open(dir: impl Into<PathBuf>) -> Result<Self, StoreError> {
+        let dir = dir.into();
+        let mut store = Self {
+            dir,
+            records: Vec::new(),
+            cells: HashMap::new(),
+            order: Vec::new(),
+            scores: HashMap::new(),
+            warnings: Vec::new(),
+        };
+        let path = store.path();
+        let content = match std::fs::read(&path) {
+            Ok(content) => content,
+            Err(e) if e.kind() == ErrorKind::NotFound => Vec::new(),
+            Err(source) => return Err(StoreError::Io { path, source }),
+        };
+        for line in lines::split(&content) {
+            match parse(line.bytes) {
+                Ok(record) => store.index(record),
+                Err(_) if line.torn => store.warnings.push(format!(
+                    "{}, line {}: ignored, its writer was stopped in the middle of it",
+                    path.display(),
+                    line.number
+                )),
+                Err(message) => return Err(StoreError::Corrupt { path, line: line.number, message }),
+            }
+        }
+        Ok(store)
+    }
+
+    /// The directory.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// The file of records, `DIR/results.jsonl`.
+    pub fn path(&self) -> PathBuf {
+        self.dir.join("results.jsonl")
+    }
+
+    /// What was ignored on opening, for the user to read.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Appends a record. Several stores, in one process or many, may append to the same directory.
+    ///
+    /// # Errors
+    /// The file cannot be written, or the record holds a NaN or infinity, which JSON cannot.
+    pub fn append(&mut self, record: Record) -> Result<(), StoreError> {
+        let line = Line { schema: SCHEMA, key: record.cell().map(Cell::key), record: &record };
+        let text = serde_json::to_string(&line).map_err(|e| StoreError::Unwritable(e.to_string()))?;
+        match parse(text.as_bytes()) {
+            Ok(back) if back == record => {}
+            Ok(_) => return Err(StoreError::Unwritable("its fields change".into())),
+            Err(message) => return Err(StoreError::Unwritable(message)),
+        }
+        self.make_dir(&self.dir)?;
+        lines::append(&self.path(), &text).map_err(|source| StoreError::Io { path: self.path(), source })?;
+        self.index(record);
+        Ok(())
+    }
+
+    /// The latest run, skip or failure of a cell.
+    pub fn outcome(&self, cell: &Key) -> Option<&Record> {
+        self.cells.get(cell).map(|i| &self.records[*i])
+    }
+
+    /// The run of a cell, where that is its latest outcome.
+    pub fn run(&self, cell: &Key) -> Option<&Run> {
+        match self.outcome(cell) {
+            Some(Record::Run(run)) => Some(run),
+            _ => None,
+        }
+    }
+
+    /// The latest outcome of every cell, in the order in which cells first appeared.
+    pub fn outcomes(&self) -> impl Iterator<Item = &Record> {
+        self.order.iter().filter_map(|key| self.outcome(key))
+    }
+
+    /// The scores of a run's present picture, one a reference and metrics version, the latest where there are several.
+    pub fn scores(&self, cell: &Key) -> Vec<&Score> {
+        let image = self.run(cell).and_then(|run| run.image.as_ref());
+        let mut latest: Vec<&Score> = Vec::new();
+        for &i in self.scores.get(cell).into_iter().flatten() {
+            let Record::Score(score) = &self.records[i] else { continue };
+            if image != Some(&score.image) {
+                continue;
+            }
+            match latest.iter_mut().find(|s| s.reference_key == score.reference_key && s.metrics == score.metrics) {
+                Some(earlier) => *earlier = score,
+                None => latest.push(score),
+            }
+        }
+        latest
+    }
+
+    /// The score of a run's present picture against one reference.
+    pub fn score(&self, cell: &Key, reference: &Key, metrics: u32) -> Option<&Score> {
+        self.scores(cell).into_iter().find(|s| s.reference_key == *reference && s.metrics == metrics)
+    }
+
+    /// Where an image lies, or would lie.
+    pub fn image_path(&self, image: &Key) -> PathBuf {
+        self.dir.join("images").join(format!("{image}.exr"))
+    }
+
+    /// Whether an image is there, whole or not: a reader may have deleted it to save room.
+    pub fn has_image(&self, image: &Key) -> bool {
+        self.image_path(image).is_file()
+    }
+
+    /// Stores a picture and returns its content's hash.
+    ///
+    /// # Errors
+    /// The picture's fields do not fit its layout, or the file cannot be written.
+    pub fn write_picture(&self, picture: &Picture) -> Result<Key, StoreError> {
+        self.write_image(&picture.to_exr()?)
+    }
+
+    /// Stores a reference and returns its content's hash.
+    ///
+    /// # Errors
+    /// The reference's fields do not fit its layout, or the file cannot be written.
+    pub fn write_reference(&self, reference: &ReferencePicture) -> Result<Key, StoreError> {
+        self.write_image(&reference.to_exr()?)
+    }
+
+    /// Stores the bytes of an EXR file, such as a reference from a cache, and returns their hash.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_image(&self, bytes: &[u8]) -> Result<Key, StoreError> {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let hash = Key::of_bytes(bytes);
+        let path = self.image_path(&hash);
+        if path.exists() {
+            return Ok(hash);
+        }
+        self.make_dir(&self.dir.join("images"))?;
+        // Written beside and renamed: under its name a file is either whole or not there.
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let beside = self.dir.join("images").join(format!(".{}-{}-{count}.tmp", hash.short(), std::process::id()));
+        std::fs::write(&beside, bytes).and_then(|()| std::fs::rename(&beside, &path)).map_err(|source| {
+            // The rename's own error is the one to report; a file left beside does no harm.
+            let _ = std::fs::remove_file(&beside);
+            StoreError::Io { path, source }
+        })?;
+        Ok(hash)
+    }
+
+    /// Reads a picture, or a reference's mean, and checks its content against its hash.
+    ///
+    /// # Errors
+    /// The file is missing, damaged or not a picture.
+    pub fn read_picture(&self, image: &Key) -> Result<Picture, StoreError> {
+        Ok(Picture::from_exr(&self.read_image(image)?, &self.image_path(image))?)
+    }
+
+    /// Reads a reference and checks its content against its hash.
+    ///
+    /// # Errors
+    /// The file is missing, damaged or not a reference.
+    pub fn read_reference(&self, image: &Key) -> Result<ReferencePicture, StoreError> {
+        Ok(ReferencePicture::from_exr(&self.read_image(image)?, &self.image_path(image))?)
+    }
+
+    fn read_image(&self, image: &Key) -> Result<Vec<u8>, PictureError> {
+        let path = self.image_path(image);
+        let bytes = read_bytes(&path)?;
+        let actual = Key::of_bytes(&bytes);
+        if actual == *image { Ok(bytes) } else { Err(PictureError::Damaged { path, actual: actual.to_string() }) }
+    }
+
+    fn make_dir(&self, dir: &Path) -> Result<(), StoreError> {
+        std::fs::create_dir_all(dir).map_err(|source| StoreError::Io { path: dir.to_owned(), source })
+    }
+
+    fn index(&mut self, record: Record) {
+        let place = self.records.len();
+        match (&record, record.cell().map(Cell::key)) {
+            (_, Some(key)) => {
+                if self.cells.insert(key.clone(), place).is_none() {
+                    self.order.push(key);
+                }
+            }
+            (Record::Score(score), None) => self.scores.entry(score.run.clone()).or_default().push(place),
+            (_, None) => {}
+        }
+        self.records.push(record);
+    }
+}
+
+fn parse(line: &[u8]) -> Result<Record, String> {
+    #[derive(Deserialize)]
+    struct Version {
+        schema: u32,
+    }
+    let version: Version = serde_json::from_slice(line).map_err(|e| e.to_string())?;
+    if version.schema != SCHEMA {
+        return Err(format!("`schema` is {}, expected {SCHEMA}", version.schema));
+    }
+    let line: Line<Record> = serde_json::from_slice(line).map_err(|e| e.to_string())?;
+    if line.key != line.record.cell().map(Cell::key) {
+        return Err("`key` is not the key of the line's fields".into());
+    }
+    Ok(line.record)
+}

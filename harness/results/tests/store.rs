@@ -1,0 +1,210 @@
+//! The store on disk: reading back, deletion, torn and corrupt lines, several writers.
+
+use halflight_results::{Cell, Failure, Key, Phase, Record, Run, Score, Skip, Storage, Store, StoreError, Timing};
+use std::fs;
+
+fn cell(seed: u64) -> Cell {
+    Cell {
+        scene: "bunny".into(),
+        scene_hash: "5ce9e".into(),
+        method: "shexp/hyb".into(),
+        revision: "r1".into(),
+        params: [("order".to_owned(), 4.into()), ("p".to_owned(), 0.1.into())].into(),
+        backend: "cpu".into(),
+        quantity: "direct".into(),
+        seed,
+        frame: 0,
+        receivers_hash: "7ece1".into(),
+        timed_on: Some("a machine".into()),
+    }
+}
+
+fn run(seed: u64) -> Record {
+    let shade = Timing { phase: Phase::Shade, nanoseconds: vec![0.1 + 0.2, 1.0 / 3.0, 123_456_789.123_456_78, 5e-324] };
+    Record::Run(Box::new(Run {
+        cell: cell(seed),
+        receivers: 3,
+        image: Some(Key::of_bytes(b"picture")),
+        approximate: Some("a \"quoted\"\nreason".into()),
+        phases: [("shade".to_owned(), shade)].into(),
+        derived: [("spheres of bunny".to_owned(), 2.5e9)].into(),
+        counters: [("products".to_owned(), u64::MAX)].into(),
+        footprint: vec![Storage { purpose: "tables".into(), host_bytes: 1 << 40, device_bytes: 0 }],
+        ..Run::default()
+    }))
+}
+
+fn score(seed: u64, image: &[u8], rmse: f64) -> Record {
+    Record::Score(Score {
+        run: cell(seed).key(),
+        image: Key::of_bytes(image),
+        reference: "truth".into(),
+        reference_key: Key::of_bytes(b"reference"),
+        reference_image: Key::of_bytes(b"reference image"),
+        metrics: 1,
+        receivers: 3,
+        resolved: true,
+        measures: [("rmse".to_owned(), rmse)].into(),
+    })
+}
+
+fn all(store: &Store) -> Vec<Record> {
+    store.outcomes().cloned().collect()
+}
+
+#[test]
+fn every_kind_reads_back_as_itself() {
+    let dir = tempfile::tempdir().unwrap();
+    let skip = Record::Skip(Skip { cell: cell(2), reason: "no occluder".into() });
+    let failure = Record::Failure(Failure { cell: cell(3), error: "it broke".into() });
+    let mut store = Store::open(dir.path().join("not/yet/there")).unwrap();
+    for record in [run(1), skip.clone(), failure.clone(), score(1, b"picture", 0.1 + 0.7)] {
+        store.append(record).unwrap();
+    }
+    for store in [&store, &Store::open(store.dir()).unwrap()] {
+        assert_eq!(all(store), [run(1), skip.clone(), failure.clone()]);
+        let score = store.score(&cell(1).key(), &Key::of_bytes(b"reference"), 1).unwrap();
+        assert_eq!(score.measures["rmse"].to_bits(), (0.1f64 + 0.7).to_bits());
+        assert!(store.score(&cell(1).key(), &Key::of_bytes(b"reference"), 2).is_none());
+        assert!(store.run(&cell(3).key()).is_none());
+        assert!(store.warnings().is_empty());
+    }
+}
+
+#[test]
+fn samples_read_back_bit_for_bit() {
+    let dir = tempfile::tempdir().unwrap();
+    // A parser that is off by one unit in the last place is so for some values only: try many.
+    let bits = (0..20_000u64).map(|i| i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 2);
+    let nanoseconds: Vec<f64> = bits.map(f64::from_bits).filter(|v| v.is_finite()).collect();
+    let Record::Run(mut record) = run(1) else { unreachable!("a run") };
+    record.phases.insert("shade".into(), Timing { phase: Phase::Shade, nanoseconds: nanoseconds.clone() });
+    Store::open(dir.path()).unwrap().append(Record::Run(record)).unwrap();
+    let store = Store::open(dir.path()).unwrap();
+    assert!(store.run(&cell(1).key()).unwrap().phases["shade"].nanoseconds == nanoseconds);
+}
+
+#[test]
+fn lines_name_schema_kind_and_key() {
+    let dir = tempfile::tempdir().unwrap();
+    Store::open(dir.path()).unwrap().append(run(1)).unwrap();
+    let text = fs::read_to_string(dir.path().join("results.jsonl")).unwrap();
+    let line: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(line["schema"], 1);
+    assert_eq!(line["kind"], "run");
+    assert_eq!(line["key"], cell(1).key().as_str());
+    assert_eq!(line["method"], "shexp/hyb");
+}
+
+#[test]
+fn the_latest_line_of_a_key_wins() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut store = Store::open(dir.path()).unwrap();
+    store.append(Record::Failure(Failure { cell: cell(1), error: "first".into() })).unwrap();
+    store.append(run(2)).unwrap();
+    store.append(run(1)).unwrap();
+    store.append(score(1, b"picture", 1.0)).unwrap();
+    store.append(score(1, b"picture", 2.0)).unwrap();
+    store.append(score(1, b"an older picture", 3.0)).unwrap();
+    assert_eq!(all(&store), [run(1), run(2)]);
+    let scores = store.scores(&cell(1).key());
+    assert_eq!(scores.iter().map(|s| s.measures["rmse"]).collect::<Vec<_>>(), [2.0]);
+}
+
+#[test]
+fn deleting_one_line_makes_just_that_cell_missing() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut store = Store::open(dir.path()).unwrap();
+    (1..=3).for_each(|seed| store.append(run(seed)).unwrap());
+    let text = fs::read_to_string(store.path()).unwrap();
+    let key = cell(2).key();
+    let kept: String = text.lines().filter(|l| !l.contains(key.as_str())).flat_map(|l| [l, "\n"]).collect();
+    fs::write(store.path(), kept).unwrap();
+    let store = Store::open(dir.path()).unwrap();
+    assert_eq!(all(&store), [run(1), run(3)]);
+    assert!(store.outcome(&key).is_none());
+}
+
+#[test]
+fn a_torn_last_line_loses_only_itself_wherever_it_is_cut() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("results.jsonl");
+    let mut store = Store::open(dir.path()).unwrap();
+    store.append(run(1)).unwrap();
+    let first = fs::read(&path).unwrap().len();
+    store.append(run(2)).unwrap();
+    let whole = fs::read(&path).unwrap();
+    for cut in first..whole.len() {
+        fs::write(&path, &whole[..cut]).unwrap();
+        let complete = cut == whole.len() - 1;
+        let torn = cut > first && !complete;
+
+        let mut store = Store::open(dir.path()).unwrap();
+        assert_eq!(store.outcomes().count(), if complete { 2 } else { 1 }, "cut at {cut}");
+        assert_eq!(store.warnings().len(), usize::from(torn), "cut at {cut}");
+        store.append(run(3)).unwrap();
+
+        let store = Store::open(dir.path()).unwrap();
+        assert_eq!(store.outcomes().count(), if complete { 3 } else { 2 }, "cut at {cut}");
+        assert_eq!(store.run(&cell(3).key()).map(|r| r.receivers), Some(3));
+    }
+    fs::write(&path, &whole[..first + 10]).unwrap();
+    let warning = &Store::open(dir.path()).unwrap().warnings()[0].clone();
+    assert!(warning.contains("results.jsonl, line 2"), "{warning}");
+}
+
+#[test]
+fn a_corrupt_line_is_an_error_that_names_file_and_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut store = Store::open(dir.path()).unwrap();
+    (1..=3).for_each(|seed| store.append(run(seed)).unwrap());
+    let good = fs::read_to_string(store.path()).unwrap();
+    let second = good.lines().nth(1).unwrap();
+    let cases = [
+        (second[..40].to_owned(), "EOF"),
+        (second.replace("\"schema\":1", "\"schema\":99"), "schema"),
+        (second.replace("\"seed\":2", "\"seed\":7"), "key"),
+        (second.replace("\"seed\":2", "\"seed\":-2"), "u64"),
+        (second.replace("\"receivers\":3,", ""), "receivers"),
+        (second.replace("\"kind\":\"run\"", "\"kind\":\"ran\""), "ran"),
+        ("\u{0}\u{0}".into(), "expected value"),
+    ];
+    for (bad, part) in cases {
+        assert_ne!(bad, second);
+        fs::write(store.path(), good.replace(second, &bad)).unwrap();
+        let error = Store::open(dir.path()).unwrap_err();
+        assert!(matches!(error, StoreError::Corrupt { line: 2, .. }), "{error}");
+        let text = error.to_string();
+        assert!(text.contains("results.jsonl, line 2") && text.contains(part), "{text}");
+    }
+}
+
+#[test]
+fn what_json_cannot_hold_is_refused_and_nothing_is_written() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut store = Store::open(dir.path()).unwrap();
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(matches!(store.append(score(1, b"picture", bad)), Err(StoreError::Unwritable(_))));
+    }
+    assert!(!store.path().exists());
+}
+
+#[test]
+fn many_writers_lose_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    // Two handles taking turns, each opened before the other has written.
+    let (mut a, mut b) = (Store::open(dir.path()).unwrap(), Store::open(dir.path()).unwrap());
+    a.append(run(1)).unwrap();
+    b.append(run(2)).unwrap();
+    a.append(run(3)).unwrap();
+    // And four at once.
+    std::thread::scope(|scope| {
+        for writer in 1..=4u64 {
+            let mut store = Store::open(dir.path()).unwrap();
+            scope.spawn(move || (0..50).for_each(|i| store.append(run(writer * 1000 + i)).unwrap()));
+        }
+    });
+    let store = Store::open(dir.path()).unwrap();
+    assert_eq!(store.outcomes().count(), 3 + 4 * 50);
+    assert!(store.warnings().is_empty());
+}

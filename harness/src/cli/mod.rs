@@ -1,0 +1,153 @@
+//! The command line. Exit codes: 0 all is well, 1 cells failed or pictures differ, 2 the request cannot be carried out.
+
+mod diff;
+mod doctor;
+mod list;
+mod paths;
+mod plan;
+mod probe;
+mod report;
+mod run;
+
+use crate::select::Selection;
+use crate::settings::Setting;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// The laboratory bench for low-frequency light: soft-shadow methods on shared scenes, held against ray-traced references.
+#[derive(Parser)]
+#[command(name = "halflight", version)]
+struct Cli {
+    /// Threads for all work; all cores if not given. Results do not depend on it.
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run what is not in the results yet, score it, and write the report (the default: the `quick` suite)
+    Run(run::Run),
+    /// Print every cell and what would be done about it, without doing it
+    Plan(plan::Plan),
+    /// Make the report again from a results directory
+    Report(report::Report),
+    /// Print radiance, or a reference's, at given points
+    Probe(probe::Probe),
+    /// Compare two EXR pictures, or the pictures of two results directories
+    Diff(diff::Diff),
+    /// List what there is
+    List(list::List),
+    /// Show the machine, the build and the folders, and verify the shipped scenes
+    Doctor(doctor::Doctor),
+}
+
+/// What to run; without any of these, the `quick` suite.
+#[derive(Args)]
+struct Pick {
+    /// A suite: a shipped one's name, or the path of a TOML file
+    #[arg(long, conflicts_with_all = ["scene", "method", "set", "reference", "quantity"])]
+    suite: Option<String>,
+    /// A scene, repeatable: a shipped one's name, or the path of a scene file; all shipped ones if not given
+    #[arg(long, value_name = "SCENE")]
+    scene: Vec<String>,
+    /// A method, repeatable; all if not given
+    #[arg(long, value_name = "METHOD")]
+    method: Vec<String>,
+    /// Values of a parameter, repeatable: order=4, order=2..6, p=2,4; for the methods that declare it
+    #[arg(long, value_name = "NAME=VALUES")]
+    set: Vec<Setting>,
+    /// A reference, repeatable: truth, sh-light, sphere-proxies (bare names take the method's order and spheres), sh-light:6
+    #[arg(long, value_name = "REFERENCE")]
+    reference: Vec<String>,
+    /// What is computed, repeatable: direct, indirect-N by N bounces, total; direct if not given
+    #[arg(long, value_name = "QUANTITY")]
+    quantity: Vec<String>,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+impl Pick {
+    fn selection(&self) -> Selection {
+        Selection {
+            suite: self.suite.clone(),
+            scenes: self.scene.clone(),
+            methods: self.method.clone(),
+            set: self.set.clone(),
+            quantities: self.quantity.clone(),
+            references: self.reference.clone(),
+        }
+    }
+}
+
+/// Where results go.
+#[derive(Args)]
+struct Out {
+    /// Results directory
+    #[arg(long, value_name = "DIR", default_value = "halflight-out")]
+    out: PathBuf,
+}
+
+/// Where derived data and references are kept between runs.
+#[derive(Args)]
+struct CacheDir {
+    /// Cache folder; $XDG_CACHE_HOME/halflight or ~/.cache/halflight if not given
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+}
+
+/// How a command that was carried out ended.
+enum Ending {
+    /// All is well.
+    Well,
+    /// Cells failed, or pictures differ.
+    Differs,
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    match act(Cli::parse()) {
+        Ok(Ending::Well) => ExitCode::SUCCESS,
+        Ok(Ending::Differs) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("halflight: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn act(cli: Cli) -> anyhow::Result<Ending> {
+    if let Some(threads) = cli.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;
+    }
+    match cli.command {
+        None => run::Run::plain()?.act(),
+        Some(Command::Run(run)) => run.act(),
+        Some(Command::Plan(plan)) => plan.act(),
+        Some(Command::Report(report)) => report.act(),
+        Some(Command::Probe(probe)) => probe.act(),
+        Some(Command::Diff(diff)) => diff.act(),
+        Some(Command::List(list)) => list.act(),
+        Some(Command::Doctor(doctor)) => doctor.act(),
+    }
+}
+
+/// Prints a line to standard output; a reader that has gone away, such as `head`, is no error.
+fn say(line: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,54 @@
+//! The laboratory bench for low-frequency light: plans which methods run on which scenes, runs them, holds their pictures
+//! against references, and keeps the results. The program `halflight` is a thin shell over this library.
+//!
+//! The way of the data, a file a step:
+//!
+//! | step | file | from → to |
+//! |---|---|---|
+//! | select | `select.rs`, `suite.rs`, `settings.rs` | command line or suite file → entries |
+//! | plan | `plan.rs`, `judge.rs` | entries → cells, each run, cached or skipped with its reason |
+//! | execute | `execute.rs`, `recorder.rs` | cell → picture, times, counters, memory |
+//! | score | `score.rs` | picture and reference → error measures |
+//! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
+//!
+//! A cell is scene × method × parameters × backend × quantity × frame. Its key holds what decides its result and, since
+//! results carry times, where they were taken: another machine class (processor, threads, compiler, profile) runs cells anew.
+//! A key that is in the store is not run again; scores are lines of their own, and only missing ones are made.
+//!
+//! ```no_run
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use halflight::{Options, Plan, Selection, Terms, environment};
+//! use halflight_results::Store;
+//!
+//! let selection = Selection { scenes: vec!["bunny-studio".into()], set: vec!["order=2..6".parse()?], ..Default::default() };
+//! let plan = Plan::new(&selection.entries()?, &Terms { seed: 1, timed_on: environment().class() })?;
+//! let mut store = Store::open("out")?;
+//! let summary = halflight::run(&plan, &mut store, &Options::new("cache"))?;
+//! println!("{} cells run, {} failed", summary.ran, summary.failed);
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod cli;
+mod environment;
+mod error;
+mod execute;
+mod judge;
+mod plan;
+mod probe;
+mod progress;
+mod recorder;
+mod run;
+mod score;
+mod select;
+mod settings;
+mod suite;
+
+pub use environment::{cpu_features, environment};
+pub use error::Error;
+pub use plan::{Group, Plan, Stage, State, Terms};
+pub use probe::{Answers, Source, probe};
+pub use run::{Options, Summary, run};
+pub use select::{DEFAULT_REFERENCES, DEFAULT_SUITE, Selection};
+pub use settings::Setting;
+pub use suite::{Entry, Suite};

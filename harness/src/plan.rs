@@ -1,0 +1,260 @@
+//! The plan: every cell, with what is to be done about it and why. Nothing is computed or written here, so all that is
+//! wrong with a request is found before any work.
+
+use crate::settings::{Setting, grid};
+use crate::suite::Entry;
+use crate::{Error, judge};
+use halflight_contract::{Backend, Method, Params, Quantity, Request, Support, Value};
+use halflight_references::Reference;
+use halflight_results::{Cell, Key, Record, Run, Store};
+use halflight_scenes::{Frame, Scene};
+use std::collections::{HashMap, HashSet};
+
+/// What decides the results besides the entries.
+#[derive(Clone, Debug)]
+pub struct Terms {
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Where times are taken ([`halflight_results::Environment::class`]): results of another class are not reused.
+    pub timed_on: String,
+}
+
+/// All that is to be run.
+pub struct Plan {
+    /// The scenes, each once.
+    pub scenes: Vec<Stage>,
+    /// The work, scene by scene.
+    pub groups: Vec<Group>,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+/// A scene and all its frames, posed.
+pub struct Stage {
+    /// The scene.
+    pub scene: Scene,
+    /// Its frames; each holds its receivers, about 80 bytes apiece.
+    pub frames: Vec<Frame>,
+}
+
+/// The cells that share one `prepare`: a method with its parameters on all frames of a scene.
+pub struct Group {
+    /// Index into [`Plan::scenes`].
+    pub scene: usize,
+    /// The method.
+    pub method: &'static dyn Method,
+    /// Its parameters, complete.
+    pub params: Params,
+    /// What is computed.
+    pub quantity: Quantity,
+    /// Where.
+    pub backend: Backend,
+    /// The method's answer to the request.
+    pub support: Support,
+    /// One cell a frame.
+    pub cells: Vec<Cell>,
+    /// What the cells' pictures are scored against.
+    pub references: Vec<Reference>,
+}
+
+/// What is to be done about a cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It is run.
+    Run,
+    /// Its result is in the store.
+    Cached,
+    /// The method does not serve it, for this reason.
+    Skip(String),
+}
+
+impl Group {
+    /// `scene · method name=value …`, naming the parameters that are not at their default.
+    pub fn label(&self, plan: &Plan) -> String {
+        let defaults = Params::defaults(self.method.info().params);
+        let usual: HashMap<_, _> = defaults.iter().collect();
+        let set = self.params.iter().filter(|(name, value)| usual[name] != *value || *name == "order");
+        let set: String = set.map(|(name, value)| format!(" {name}={value}")).collect();
+        format!("{} · {}{set}", plan.scenes[self.scene].scene.name, self.method.info().id)
+    }
+
+    /// What is to be done about one of the group's cells.
+    pub fn state(&self, cell: &Cell, store: &Store) -> State {
+        match (&self.support, store.outcome(&cell.key())) {
+            (Support::Skip(why), _) => State::Skip(why.clone()),
+            // A failure is tried again: its cause may have lain outside the key, such as a full disk.
+            (_, Some(Record::Run(run))) if has_picture(run, store) => State::Cached,
+            _ => State::Run,
+        }
+    }
+}
+
+impl Plan {
+    /// Plans the entries: all combinations of scenes, methods and settings, equal ones once.
+    ///
+    /// # Errors
+    /// A scene, method, parameter or reference is unknown or wrong.
+    pub fn new(entries: &[Entry], terms: &Terms) -> Result<Self, Error> {
+        let mut plan = Plan { scenes: Vec::new(), groups: Vec::new(), seed: terms.seed };
+        let mut names: HashMap<String, usize> = HashMap::new();
+        let mut known: HashMap<Vec<Key>, usize> = HashMap::new();
+        for entry in entries {
+            let jobs = jobs(entry)?;
+            let quantities = entry.quantities.iter().map(|name| quantity(name)).collect::<Result<Vec<_>, _>>()?;
+            for name in &entry.scenes {
+                let scene = match names.get(name) {
+                    Some(scene) => *scene,
+                    None => plan.add_scene(halflight_scenes::find(name)?),
+                };
+                names.insert(name.clone(), scene);
+                let all = jobs.iter().flat_map(|job| quantities.iter().map(move |quantity| (job, *quantity)));
+                for ((method, params), quantity) in all {
+                    let group = plan.group(scene, *method, params, quantity, &entry.references, terms)?;
+                    let keys = group.cells.iter().map(Cell::key).collect();
+                    match known.get(&keys) {
+                        Some(&same) => merge(&mut plan.groups[same].references, group.references),
+                        None => {
+                            known.insert(keys, plan.groups.len());
+                            plan.groups.push(group);
+                        }
+                    }
+                }
+            }
+        }
+        // Stable: within a scene, the order of the entries. A scene's derived data are let go before the next one's.
+        plan.groups.sort_by_key(|group| group.scene);
+        Ok(plan)
+    }
+
+    /// Every cell with its group.
+    pub fn cells(&self) -> impl Iterator<Item = (&Group, &Cell)> {
+        self.groups.iter().flat_map(|group| group.cells.iter().map(move |cell| (group, cell)))
+    }
+
+    fn add_scene(&mut self, scene: Scene) -> usize {
+        // The same content under two names is one scene.
+        self.scenes.iter().position(|stage| stage.scene.content == scene.content).unwrap_or_else(|| {
+            let frames = (0..scene.frame_count).map(|frame| scene.frame(frame)).collect();
+            self.scenes.push(Stage { scene, frames });
+            self.scenes.len() - 1
+        })
+    }
+
+    fn group(
+        &self,
+        scene: usize,
+        method: &'static dyn Method,
+        params: &Params,
+        quantity: Quantity,
+        references: &[String],
+        terms: &Terms,
+    ) -> Result<Group, Error> {
+        let backend = Backend::Cpu;
+        let Stage { scene: content, frames } = &self.scenes[scene];
+        let info = method.info();
+        let revision = halflight_registry::revision(info.family());
+        let cell = |frame: &Frame| Cell {
+            scene: content.name.clone(),
+            scene_hash: content.content.to_string(),
+            method: info.id.to_owned(),
+            revision: revision.unwrap_or("unregistered").to_owned(),
+            params: params.iter().map(|(name, value)| (name.to_owned(), json(value))).collect(),
+            backend: backend.to_string(),
+            quantity: quantity.to_string(),
+            seed: terms.seed,
+            frame: frame.index as u32,
+            receivers_hash: format!("{:016x}", frame.receivers.revision.0),
+            timed_on: Some(terms.timed_on.clone()),
+        };
+        Ok(Group {
+            scene,
+            method,
+            params: params.clone(),
+            quantity,
+            backend,
+            support: method.supports(&content.facts(), &Request { quantity, backend, params }),
+            cells: frames.iter().map(cell).collect(),
+            references: judge::references(references, quantity, params)?,
+        })
+    }
+}
+
+/// A quantity that makes a picture, by its name.
+fn quantity(name: &str) -> Result<Quantity, Error> {
+    let known = [Quantity::Direct, Quantity::Total].into_iter();
+    let known = known.chain((1..=u8::MAX).map(|bounces| Quantity::Indirect { bounces }));
+    let found = known.into_iter().find(|quantity| quantity.to_string() == name);
+    found.ok_or_else(|| Error::unknown("quantity", name, ["direct", "indirect-N", "total"]))
+}
+
+/// The methods of an entry with every combination of its settings.
+fn jobs(entry: &Entry) -> Result<Vec<(&'static dyn Method, Params)>, Error> {
+    let methods: Vec<_> = entry.methods.iter().map(|id| method(id)).collect::<Result<_, _>>()?;
+    let declared = |m: &&'static dyn Method| m.info().params.iter().map(|spec| spec.name);
+    let known: HashSet<&str> = methods.iter().flat_map(declared).collect();
+    let mut seen = HashSet::new();
+    for setting in &entry.set {
+        if !known.contains(setting.name.as_str()) {
+            let mut known: Vec<&str> = known.into_iter().collect();
+            known.sort_unstable();
+            return Err(Error::unknown("parameter", &setting.name, known));
+        }
+        if !seen.insert(&setting.name) {
+            let message = "expected each parameter once; several values go into one setting, such as a,b".to_owned();
+            return Err(Error::Setting { text: setting.name.clone(), message });
+        }
+    }
+    let mut jobs = Vec::new();
+    for method in methods {
+        jobs.extend(combinations(method, &entry.set)?.into_iter().map(|params| (method, params)));
+    }
+    Ok(jobs)
+}
+
+/// Every combination of those settings that the method declares.
+fn combinations(method: &'static dyn Method, set: &[Setting]) -> Result<Vec<Params>, Error> {
+    let specs = method.info().params;
+    let own: Vec<&Setting> = set.iter().filter(|s| specs.iter().any(|spec| spec.name == s.name)).collect();
+    let resolve = |point: Vec<(String, String)>| {
+        Params::resolve(specs, point.iter().map(|(name, text)| (name.as_str(), text.as_str())))
+            .map_err(|source| Error::Param { method: method.info().id, source })
+    };
+    grid(&own).into_iter().map(resolve).collect()
+}
+
+/// A registered method by its id.
+pub(crate) fn method(id: &str) -> Result<&'static dyn Method, Error> {
+    let known = || halflight_registry::methods().into_iter().map(|m| m.info().id);
+    halflight_registry::find(id).ok_or_else(|| Error::unknown("method", id, known()))
+}
+
+/// A method's parameters with these settings, each of one value.
+pub(crate) fn single(method: &'static dyn Method, set: &[Setting]) -> Result<Params, Error> {
+    if let Some(many) = set.iter().find(|s| s.values.len() != 1) {
+        let text = format!("{}={}", many.name, many.values.join(","));
+        return Err(Error::Setting { text, message: "expected one value here".into() });
+    }
+    let settings = set.iter().map(|s| (s.name.as_str(), s.values[0].as_str()));
+    Params::resolve(method.info().params, settings).map_err(|source| Error::Param { method: method.info().id, source })
+}
+
+fn has_picture(run: &Run, store: &Store) -> bool {
+    run.image.as_ref().is_none_or(|image| store.image_path(image).exists())
+}
+
+fn merge(into: &mut Vec<Reference>, more: Vec<Reference>) {
+    for reference in more {
+        if !into.contains(&reference) {
+            into.push(reference);
+        }
+    }
+}
+
+fn json(value: Value) -> serde_json::Value {
+    match value {
+        Value::Int(v) => v.into(),
+        Value::Float(v) => v.into(),
+        Value::Choice(v) => v.into(),
+        Value::Flag(v) => v.into(),
+    }
+}

@@ -1,0 +1,125 @@
+//! Probing: what a method or a reference says at given points.
+
+use crate::execute::{Runner, Task};
+use crate::progress::Progress;
+use crate::recorder::Recorder;
+use crate::{Error, Setting, judge, plan};
+use halflight_contract::{Backend, Cache, Method, Params, Quantity, Request, Support};
+use halflight_references::{Quality, Reference, ReferenceStore};
+use halflight_scenes::{Rgb, Scene};
+use std::path::Path;
+
+/// Who is asked.
+pub enum Source {
+    /// A method with its parameters.
+    Method(&'static dyn Method, Params),
+    /// A reference with so many samples at every point.
+    Reference(Reference, u32),
+}
+
+/// The answers, one entry a point.
+pub struct Answers {
+    /// Outgoing radiance for albedo 1.
+    pub radiance: Vec<Rgb>,
+    /// Its standard error, from a reference.
+    pub standard_error: Option<Vec<Rgb>>,
+    /// Visibility coefficients, `order²` a point, from a method that has them.
+    pub visibility: Option<Vec<Vec<f32>>>,
+}
+
+impl Source {
+    /// A method by id, with settings of one value each.
+    ///
+    /// # Errors
+    /// The method or a parameter is unknown, or a value is out of range.
+    pub fn method(id: &str, set: &[Setting]) -> Result<Self, Error> {
+        let method = plan::method(id)?;
+        Ok(Source::Method(method, plan::single(method, set)?))
+    }
+
+    /// A reference by id, with so many samples at every point.
+    ///
+    /// # Errors
+    /// There is no such reference, or its quality cannot be met by that number.
+    pub fn reference(id: &str, samples: u32) -> Result<Self, Error> {
+        Quality::fixed(samples).check()?;
+        Ok(Source::Reference(judge::parse(id)?, samples))
+    }
+}
+
+/// Asks at the receivers of one frame of a scene, which [`Scene::with_receivers`] has placed.
+///
+/// # Errors
+/// The scene has no such frame, the method does not serve it, or the computation fails; the message says which.
+pub fn probe(scene: &Scene, frame: usize, source: &Source, seed: u64, cache: &Path) -> Result<Answers, Error> {
+    if frame >= scene.frame_count {
+        return Err(Error::Other(format!(
+            "frame {frame}: expected one below {}, the scene's count",
+            scene.frame_count
+        )));
+    }
+    match source {
+        Source::Method(method, params) => of_method(scene, frame, *method, params, seed, cache),
+        Source::Reference(reference, samples) => {
+            of_reference(scene, frame, reference, &Quality::fixed(*samples), seed, cache)
+        }
+    }
+}
+
+fn of_method(
+    scene: &Scene,
+    frame: usize,
+    method: &'static dyn Method,
+    params: &Params,
+    seed: u64,
+    cache: &Path,
+) -> Result<Answers, Error> {
+    let (id, backend) = (method.info().id, Backend::Cpu);
+    let serves = |quantity| method.supports(&scene.facts(), &Request { quantity, backend, params });
+    if let Support::Skip(why) = serves(Quantity::Direct) {
+        return Err(Error::Other(format!("{id} does not serve {}: {why}", scene.name)));
+    }
+    let failed = |error| Error::Other(format!("{id} failed on {}: {error}", scene.name));
+    let cache = Cache::in_folder(&cache.join("derived"));
+    let frame = scene.frame(frame);
+    let quantity = Quantity::Direct;
+    let mut runner = Runner::new(Task { scene, method, params, quantity, backend, seed, repeats: 0, cache: &cache });
+    let mut progress = Progress::new(1);
+    let mut steps = |what: &str, done, total| progress.within(id, what, done, total);
+    let shaded = runner.shade(&frame, &mut steps).map_err(failed)?;
+
+    let order = order(params);
+    let has = |order: &u8| !matches!(serves(Quantity::Visibility { order: *order }), Support::Skip(_));
+    let visibility = order.filter(has).map(|order| -> Result<_, Error> {
+        let all = runner.visibility(&frame, order, &mut steps).map_err(failed)?;
+        Ok(all.chunks(usize::from(order).pow(2)).map(<[f32]>::to_vec).collect())
+    });
+    Ok(Answers { radiance: shaded.radiance, standard_error: None, visibility: visibility.transpose()? })
+}
+
+/// The SH order that a method works at, where it declares one.
+fn order(params: &Params) -> Option<u8> {
+    let declared = params.iter().any(|(name, _)| name == "order");
+    declared.then(|| u8::try_from(params.int("order")).ok()).flatten()
+}
+
+fn of_reference(
+    scene: &Scene,
+    frame: usize,
+    reference: &Reference,
+    quality: &Quality,
+    seed: u64,
+    cache: &Path,
+) -> Result<Answers, Error> {
+    let store = ReferenceStore::open(cache.join("references"))?;
+    let derived = Cache::in_folder(&cache.join("derived"));
+    let label = reference.id();
+    let mut progress = Progress::new(1);
+    let mut steps = |what: &str, done, total| progress.within(&label, what, done, total);
+    let frame = scene.frame(frame);
+    let mut meter = Recorder::new(&mut steps);
+    let (estimate, _, _) =
+        halflight_references::obtain(&store, reference, scene, &frame, quality, seed, &derived, &mut meter)?;
+    let standard_error = Some(estimate.standard_error());
+    Ok(Answers { radiance: estimate.mean, standard_error, visibility: None })
+}

@@ -1,0 +1,153 @@
+//! Suites: TOML files that say what to run.
+//!
+//! ```toml
+//! about = "What the suite is for, in one line"
+//!
+//! [[entry]]
+//! scenes = ["sphere-plane", "scenes/mine.toml"]    # shipped names, or paths as seen from the suite file
+//! methods = ["shexp/hyb"]
+//! set = { order = "2..6", p = 2 }                  # as with --set; a list of values is well too
+//! references = ["truth", "sh-light"]
+//! quantities = ["direct"]                          # the default; `indirect-1` (bounces), `total`
+//! ```
+//!
+//! Every entry stands for all combinations of its scenes, methods and settings; a cell that several entries name is run
+//! once, against the references of all of them.
+
+use crate::Error;
+use crate::settings::{Setting, expand};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A suite.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Suite {
+    /// What it is for, in one line.
+    pub about: String,
+    /// What it runs.
+    #[serde(rename = "entry")]
+    pub entries: Vec<Entry>,
+}
+
+/// A part of a suite: all combinations of scenes, methods and settings.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    /// Shipped names or paths of scene files.
+    pub scenes: Vec<String>,
+    /// Method ids.
+    pub methods: Vec<String>,
+    /// Values by parameter; applied to those of the methods that declare the parameter.
+    #[serde(default, deserialize_with = "settings")]
+    pub set: Vec<Setting>,
+    /// References to score against.
+    pub references: Vec<String>,
+    /// What is computed: `direct`, `indirect-N` by N bounces, `total`.
+    #[serde(default = "direct")]
+    pub quantities: Vec<String>,
+}
+
+/// The suites that come with the program.
+pub(crate) const SHIPPED: [(&str, &str); 1] = [("quick", include_str!("../suites/quick.toml"))];
+
+impl Suite {
+    /// A shipped suite by name, or the suite in the file of this path.
+    ///
+    /// # Errors
+    /// There is neither, or the file is not a suite.
+    pub fn find(name: &str) -> Result<Self, Error> {
+        if let Some((_, text)) = SHIPPED.iter().find(|(shipped, _)| *shipped == name) {
+            return Self::parse(name, text);
+        }
+        let path = Path::new(name);
+        if !path.exists() {
+            let known = SHIPPED.iter().map(|(name, _)| *name).chain(["the path of a suite file"]);
+            return Err(Error::unknown("suite", name, known));
+        }
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let mut suite = Self::parse(name, &text)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        for scene in suite.entries.iter_mut().flat_map(|entry| &mut entry.scenes) {
+            if crate::select::is_path(scene) {
+                *scene = folder.join(&*scene).display().to_string();
+            }
+        }
+        Ok(suite)
+    }
+
+    fn parse(name: &str, text: &str) -> Result<Self, Error> {
+        let wrong = |message: String| Error::Suite { name: name.to_owned(), message };
+        let suite: Suite = toml::from_str(text).map_err(|e| wrong(e.to_string().trim_end().to_owned()))?;
+        for (i, entry) in suite.entries.iter().enumerate() {
+            let lists = [("scenes", &entry.scenes), ("methods", &entry.methods), ("quantities", &entry.quantities)];
+            if let Some((field, _)) = lists.iter().find(|(_, list)| list.is_empty()) {
+                return Err(wrong(format!("entry {}: `{field}` is empty, expected at least one", i + 1)));
+            }
+        }
+        if suite.entries.is_empty() { Err(wrong("expected at least one `[[entry]]`".into())) } else { Ok(suite) }
+    }
+}
+
+/// The quantities when nothing is said.
+pub(crate) fn direct() -> Vec<String> {
+    vec!["direct".to_owned()]
+}
+
+/// Reads `{ order = "2..6", p = [2, 4], windowed = true }`.
+fn settings<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<Setting>, D::Error> {
+    let table = BTreeMap::<String, toml::Value>::deserialize(deserializer)?;
+    let one = |value: &toml::Value| match value {
+        toml::Value::String(text) => expand(text),
+        toml::Value::Integer(v) => Ok(vec![v.to_string()]),
+        toml::Value::Float(v) => Ok(vec![v.to_string()]),
+        toml::Value::Boolean(v) => Ok(vec![v.to_string()]),
+        other => Err(format!("expected a text, number, switch or a list of these, found a {}", other.type_str())),
+    };
+    let all = |value: &toml::Value| match value {
+        toml::Value::Array(values) => values.iter().map(one).collect::<Result<Vec<_>, _>>().map(|v| v.concat()),
+        value => one(value),
+    };
+    let read = |(name, value): (String, toml::Value)| match all(&value) {
+        Ok(values) => Ok(Setting { name, values }),
+        Err(message) => Err(serde::de::Error::custom(format!("set.{name}: {message}"))),
+    };
+    table.into_iter().map(read).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shipped_suites_are_suites() {
+        for (name, _) in SHIPPED {
+            assert!(!Suite::find(name).unwrap().about.is_empty());
+        }
+    }
+
+    #[test]
+    fn settings_take_every_form() {
+        let text = "about = ''\n[[entry]]\nscenes = ['a']\nmethods = ['b']\nreferences = []\n\
+                    set = { order = '2..3', p = [1, '4..5'], on = true, x = 0.5 }";
+        let suite = Suite::parse("test", text).unwrap();
+        let found: Vec<_> = suite.entries[0].set.iter().map(|s| format!("{}={}", s.name, s.values.join(","))).collect();
+        assert_eq!(found, ["on=true", "order=2,3", "p=1,4,5", "x=0.5"]);
+    }
+
+    #[test]
+    fn wrong_suites_are_refused() {
+        let base = "about = ''\n[[entry]]\nscenes = ['a']\nmethods = ['b']\nreferences = []\n";
+        for (text, part) in [
+            (format!("{base}sed = 3"), "sed"),
+            (base.replace("'b'", ""), "`methods` is empty"),
+            ("about = ''\nentry = []".to_owned(), "[[entry]]"),
+            (format!("{base}set = {{ order = '6..2' }}"), "set.order: expected a range"),
+            (base.replace("about", "a"), "a"),
+        ] {
+            let message = Suite::parse("test", &text).unwrap_err().to_string();
+            assert!(message.starts_with("suite test: ") && message.contains(part), "{message}");
+        }
+    }
+}

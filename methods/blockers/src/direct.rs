@@ -1,0 +1,277 @@
+//! Direct light under sphere blockers: the phases that all such methods share.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use halflight_contract::{
+    Error, Flow, Footprint, Job, Meter, Output, ParamSpec, Params, Prepared, Quantity, Request, Result, Support,
+    counted, timed,
+};
+use halflight_light::{LightOf, ShLight};
+use halflight_proxies::{PosedSpheres, SphereSet, blockers, sphere_sets};
+use halflight_scenes::{Frame, Receivers, Rgb, Scene};
+use halflight_sh::{apply_bands, coefficients, gamma, irradiance_weights, project_binary_bound, window};
+use rayon::prelude::*;
+
+use crate::{Circle, Gather, Tally, params};
+
+/// Receivers that one task handles.
+const CHUNK: usize = 256;
+
+/// How the circles at a receiver become visibility. A value is a method's setting; its `State` one task's scratch.
+pub trait Accumulator: Send + Sync + Sized {
+    /// Scratch, reused from receiver to receiver.
+    type State: Send;
+    /// The method's parameters, those of [`params`] included.
+    const PARAMS: &'static [ParamSpec];
+
+    /// Settings from parameters.
+    fn new(params: &Params) -> Self;
+    /// Fresh scratch.
+    fn state(&self) -> Self::State;
+    /// Starts a receiver.
+    fn begin(&self, state: &mut Self::State);
+    /// Adds a blocker.
+    fn block(&self, state: &mut Self::State, circle: &Circle);
+    /// Writes the receiver's visibility, `order²` coefficients, and counts the SH operations spent on it.
+    fn finish(&self, state: &mut Self::State, visibility: &mut [f32], work: &mut Work);
+}
+
+/// SH operations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Vector sums.
+    pub additions: u64,
+    /// Products of two different vectors.
+    pub products: u64,
+    /// Squares.
+    pub squares: u64,
+    /// Receivers whose visibility the overlap guard changed.
+    pub guarded: u64,
+}
+
+/// A [`Prepared`] for direct light around an [`Accumulator`].
+pub struct DirectLight<'s, A> {
+    scene: &'s Scene,
+    params: Params,
+    order: usize,
+    light: Arc<ShLight>,
+    light_window: Vec<f32>,
+    sets: Vec<Option<Arc<SphereSet>>>,
+    spheres: PosedSpheres,
+    gather: Gather,
+    accumulator: A,
+    result: Vec<f32>,
+    quantity: Quantity,
+}
+
+/// What sphere-blocker methods answer: direct light and visibility up to their own order.
+pub fn supports(request: &Request<'_>) -> Support {
+    match request.quantity {
+        Quantity::Direct => Support::Exact,
+        Quantity::Visibility { order } if usize::from(order) <= request.params.int(params::ORDER.name) => {
+            Support::Exact
+        }
+        Quantity::Visibility { order } => {
+            Support::Skip(format!("visibility of order {order} needs the parameter order to be at least that"))
+        }
+        Quantity::Indirect { .. } | Quantity::Total => Support::Skip("computes direct light only".into()),
+    }
+}
+
+impl<'s, A: Accumulator> DirectLight<'s, A> {
+    /// Derives sphere sets and light.
+    pub fn prepare(job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Self> {
+        let order = job.params.int(params::ORDER.name);
+        let sets = sphere_sets(job, job.params.int(params::SPHERES.name), meter)?;
+        let light = job.derive(&LightOf { order }, meter)?;
+        let light_window = match job.params.flag(params::WINDOW_LIGHT.name) {
+            true => bands(order),
+            false => vec![1.0; order],
+        };
+        Ok(DirectLight {
+            scene: job.scene,
+            params: job.params.clone(),
+            order,
+            light,
+            light_window,
+            sets,
+            spheres: PosedSpheres::default(),
+            gather: params::gather(job.params),
+            accumulator: A::new(job.params),
+            result: Vec::new(),
+            quantity: Quantity::Direct,
+        })
+    }
+}
+
+fn bands(order: usize) -> Vec<f32> {
+    window(order, 2.0 * order as f64).iter().map(|alpha| *alpha as f32).collect()
+}
+
+impl<A: Accumulator> Prepared for DirectLight<'_, A> {
+    fn footprint(&self) -> Footprint {
+        let sets = self.sets.iter().flatten();
+        Footprint::default()
+            .host("sphere sets (shared)", sets.map(|set| size_of_val(set.spheres.as_slice())).sum())
+            .host(
+                "posed spheres",
+                size_of_val(self.spheres.spheres.as_slice()) + size_of_val(self.spheres.object.as_slice()),
+            )
+            .host("light (shared)", 3 * coefficients(self.order) * size_of::<f32>())
+            .host("result", size_of_val(self.result.as_slice()))
+    }
+
+    fn retune(&mut self, params: &Params) -> Result<()> {
+        params.retune(&mut self.params, A::PARAMS)?;
+        self.gather = params::gather(params);
+        self.accumulator = A::new(params);
+        Ok(())
+    }
+
+    fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
+        self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.sets));
+        Ok(())
+    }
+
+    fn evaluate(&mut self, frame: &Frame, quantity: Quantity, meter: &mut dyn Meter) -> Result<()> {
+        let receivers = frame.receivers.as_ref();
+        self.quantity = quantity;
+        self.result.clear();
+        self.result.resize(receivers.len() * quantity.channels(), 0.0);
+        if meter.progress("receivers", 0, receivers.len() as u64) == Flow::Cancel {
+            return Err(Error::Cancelled);
+        }
+        let mut result = std::mem::take(&mut self.result);
+        let shading = Shading::new(self);
+        let (tally, work) = timed(meter, "accumulate and shade", |_| {
+            result
+                .par_chunks_mut(CHUNK * quantity.channels())
+                .enumerate()
+                .map(|(chunk, out)| shading.chunk(receivers, chunk * CHUNK, out))
+                .reduce(Default::default, |a, b| (a.0 + b.0, a.1 + b.1))
+        });
+        self.result = result;
+        report(meter, receivers, &tally, &work);
+        Ok(())
+    }
+
+    fn read(&mut self, out: Output<'_>, _: &mut dyn Meter) -> Result<()> {
+        out.fill(self.quantity, &self.result)
+    }
+}
+
+fn report(meter: &mut dyn Meter, receivers: &Receivers, tally: &Tally, work: &Work) {
+    let amounts = [
+        ("receivers", receivers.valid.iter().filter(|valid| **valid).count() as u64),
+        ("blockers accumulated", tally.accumulated),
+        ("blockers removed by self-shadow rules", tally.removed),
+        ("blockers below the smallest angle", tally.too_small),
+        ("additions", work.additions),
+        ("products", work.products),
+        ("squares", work.squares),
+        ("receivers guarded", work.guarded),
+    ];
+    counted(meter, &amounts);
+}
+
+/// What a task needs to shade receivers.
+struct Shading<'a, A> {
+    method: &'a DirectLight<'a, A>,
+    guard: bool,
+    visibility_window: Option<Vec<f32>>,
+    light: [Vec<f32>; 3],
+}
+
+impl<'a, A: Accumulator> Shading<'a, A> {
+    fn new(method: &'a DirectLight<'_, A>) -> Self {
+        let light = method.light.rgb.clone().map(|mut channel| {
+            apply_bands(&method.light_window, &mut channel);
+            channel
+        });
+        Shading {
+            method,
+            guard: method.params.flag(params::GUARD.name),
+            visibility_window: method.params.flag(params::WINDOW_VISIBILITY.name).then(|| bands(method.order)),
+            light,
+        }
+    }
+
+    fn chunk(&self, receivers: &Receivers, first: usize, out: &mut [f32]) -> (Tally, Work) {
+        let size = coefficients(self.method.order);
+        let mut state = self.method.accumulator.state();
+        let [mut visibility, mut weights, mut transfer] = [0; 3].map(|_| vec![0.0; size]);
+        let (mut tally, mut work) = Default::default();
+        for (i, out) in out.chunks_exact_mut(self.method.quantity.channels()).enumerate() {
+            let receiver = first + i;
+            if !receivers.valid[receiver] {
+                continue;
+            }
+            self.visibility(receivers, receiver, &mut state, &mut visibility, &mut tally, &mut work);
+            match self.method.quantity {
+                Quantity::Visibility { .. } => out.copy_from_slice(&visibility[..out.len()]),
+                _ => {
+                    irradiance_weights(self.method.order, receivers.normal[receiver].to_array(), &mut weights);
+                    gamma(self.method.order).product(&weights, &visibility, &mut transfer);
+                    let radiance = self.irradiance(&transfer) * receivers.albedo[receiver];
+                    out.copy_from_slice(&radiance.to_array());
+                }
+            }
+        }
+        (tally, work)
+    }
+
+    fn visibility(
+        &self,
+        receivers: &Receivers,
+        receiver: usize,
+        state: &mut A::State,
+        visibility: &mut [f32],
+        tally: &mut Tally,
+        work: &mut Work,
+    ) {
+        let accumulator = &self.method.accumulator;
+        accumulator.begin(state);
+        let (position, normal) = (receivers.position[receiver], receivers.geometric_normal[receiver]);
+        let spheres = &self.method.spheres.spheres;
+        self.method.gather.circles(position, normal, spheres, tally, |circle| accumulator.block(state, circle));
+        accumulator.finish(state, visibility, work);
+        if self.guard {
+            work.guarded += u64::from(project_binary_bound(self.method.order, visibility));
+        }
+        if let Some(window) = &self.visibility_window {
+            apply_bands(window, visibility);
+        }
+    }
+
+    /// `(L, H(N), g)` for each colour, with the transfer `H(N) * g` already made.
+    fn irradiance(&self, transfer: &[f32]) -> Rgb {
+        let dot = |channel: &[f32]| channel.iter().zip(transfer).map(|(l, t)| l * t).sum::<f32>();
+        Vec3::new(dot(&self.light[0]), dot(&self.light[1]), dot(&self.light[2]))
+    }
+}
+
+impl std::ops::Add for Tally {
+    type Output = Tally;
+
+    fn add(self, other: Tally) -> Tally {
+        Tally {
+            accumulated: self.accumulated + other.accumulated,
+            removed: self.removed + other.removed,
+            too_small: self.too_small + other.too_small,
+        }
+    }
+}
+
+impl std::ops::Add for Work {
+    type Output = Work;
+
+    fn add(self, other: Work) -> Work {
+        Work {
+            additions: self.additions + other.additions,
+            products: self.products + other.products,
+            squares: self.squares + other.squares,
+            guarded: self.guarded + other.guarded,
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Parameters that all sphere-blocker methods share.
+
+use halflight_contract::{Kind, ParamSpec, Params, Phase};
+
+use crate::{Gather, SelfShadow};
+
+/// SH order of light, visibility and shading.
+pub const ORDER: ParamSpec = ParamSpec {
+    name: "order",
+    kind: Kind::Int { min: 1, max: halflight_sh::MAX_ORDER as i64, default: 4 },
+    phase: Phase::Prepare,
+    help: "SH order n of light and visibility: bands 0..n−1, n² coefficients",
+};
+
+/// Spheres an object.
+pub const SPHERES: ParamSpec = ParamSpec {
+    name: "spheres",
+    kind: Kind::Int { min: 1, max: 1024, default: 64 },
+    phase: Phase::Prepare,
+    help: "bounding spheres for each mesh that casts shadows (exact spheres stay as they are)",
+};
+
+/// Self-shadow rule.
+pub const SELF_SHADOW: ParamSpec = ParamSpec {
+    name: "self-shadow",
+    kind: Kind::Choice(&["continuous", "paper", "off"]),
+    phase: Phase::Evaluate,
+    help: "how spheres near the receiver's tangent plane are replaced",
+};
+
+/// Smallest blocker.
+pub const MIN_ANGLE: ParamSpec = ParamSpec {
+    name: "min-angle",
+    kind: Kind::Float { min: 0.0, max: 45.0, default: 0.0 },
+    phase: Phase::Evaluate,
+    help: "blockers of a smaller angular radius (degrees) are skipped",
+};
+
+/// Overlap guard.
+pub const GUARD: ParamSpec = ParamSpec {
+    name: "guard",
+    kind: Kind::Flag { default: true },
+    phase: Phase::Evaluate,
+    help: "bring visibility back to 0 ≤ g0 ≤ √4π and ‖g‖² ≤ √4π·g0 where heavy overlap makes it diverge (counted)",
+};
+
+/// Windowing of the light.
+pub const WINDOW_LIGHT: ParamSpec = ParamSpec {
+    name: "window-light",
+    kind: Kind::Flag { default: false },
+    phase: Phase::Prepare,
+    help: "attenuate the light's bands by cos(π/2·l/2n) against ringing",
+};
+
+/// Windowing of the visibility.
+pub const WINDOW_VISIBILITY: ParamSpec = ParamSpec {
+    name: "window-visibility",
+    kind: Kind::Flag { default: false },
+    phase: Phase::Evaluate,
+    help: "attenuate the visibility's bands by cos(π/2·l/2n) against ringing",
+};
+
+/// The gathering rules that a method's parameters ask for.
+pub fn gather(params: &Params) -> Gather {
+    let self_shadow = match params.choice(SELF_SHADOW.name) {
+        "paper" => SelfShadow::Paper,
+        "off" => SelfShadow::Off,
+        _ => SelfShadow::Continuous,
+    };
+    Gather { self_shadow, min_sin_angle: params.float(MIN_ANGLE.name).to_radians().sin() as f32 }
+}

@@ -1,0 +1,23 @@
+//! Bounding sphere sets: objects as a few dozen spheres, for shadow methods whose blockers are spheres.
+//!
+//! [`sphere_set`] follows Ren et al. 2006, §6.2: points on the surface and in the interior are grouped by flood-fill
+//! Lloyd clustering, each group is bounded by one sphere, and what is minimised is the *outside volume* `Σ V(Sᵢ − T)`
+//! (35), the volume of the spheres outside the object; volume in the interior is free, however many spheres share it.
+//! Where the paper sums signed volumes over the triangles, this crate measures the interior on a voxel grid.
+//!
+//! [`SpheresOf`] is the recipe that keeps a set in the cache, [`sphere_sets`] derives one for every casting object,
+//! and [`blockers`] carries them along with a frame's poses.
+
+mod cluster;
+mod flood;
+mod minimise;
+mod posed;
+mod recipe;
+mod samples;
+mod search;
+mod set;
+mod voxels;
+
+pub use posed::{PosedSpheres, blockers};
+pub use recipe::{SpheresOf, sphere_sets};
+pub use set::{MAX_COUNT, SphereSet, sphere_set};

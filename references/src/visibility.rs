@@ -1,0 +1,103 @@
+//! What blocks light on its way to receivers.
+
+use glam::Vec3;
+use halflight_blockers::{SelfShadow, seen};
+use halflight_scenes::{Frame, PosedObject, Scene, Shape, Sphere, Which};
+use halflight_trace::World;
+
+use crate::integrand::Receiver;
+
+/// The blockers of one frame.
+pub(crate) enum Visibility {
+    /// Traced geometry.
+    Traced {
+        /// Objects that cast shadows, posed.
+        world: World,
+        /// For each object, the farthest from the origin that it gets.
+        reaches: Vec<f32>,
+        /// The farthest that any object gets that casts shadows.
+        reach: f32,
+    },
+    /// Spheres seen under a self-shadow rule.
+    Spheres {
+        /// All spheres, posed.
+        spheres: Vec<Sphere>,
+        /// The rule.
+        rule: SelfShadow,
+    },
+}
+
+/// How far off the surface rays start, in rounding steps of the largest coordinate of what the receiver lies on: a position
+/// on a triangle is a sum of a few rounded products of its corners.
+const OFFSET_STEPS: f32 = 16.0;
+
+impl Visibility {
+    /// The real geometry of a frame.
+    pub(crate) fn traced(scene: &Scene, frame: &Frame) -> Self {
+        let reach_of =
+            |posed: &PosedObject| reach(&scene.objects[posed.object].shape) + posed.pose.translation.length();
+        let reaches: Vec<f32> = frame.objects.iter().map(reach_of).collect();
+        let casters = scene.objects.iter().zip(&reaches).filter(|(object, _)| object.casts);
+        let reach = casters.map(|(_, reach)| *reach).fold(0.0, f32::max);
+        Visibility::Traced { world: scene.world(frame, Which::Casters), reaches, reach }
+    }
+
+    /// What a receiver sees of the blockers. A receiver that lies on nothing known may lie on anything.
+    pub(crate) fn from(&self, receiver: &Receiver) -> View<'_> {
+        match self {
+            Visibility::Traced { world, reaches, reach } => {
+                let reach = receiver.object.and_then(|object| reaches.get(object as usize)).unwrap_or(reach);
+                let offset = OFFSET_STEPS * f32::EPSILON * reach.max(receiver.position.length());
+                View::Rays { world, origin: receiver.position + offset * receiver.geometric_normal }
+            }
+            Visibility::Spheres { spheres, rule } => View::Circles(circles(receiver, spheres, *rule)),
+        }
+    }
+}
+
+/// The farthest from the origin that a shape gets.
+fn reach(shape: &Shape) -> f32 {
+    match shape {
+        Shape::Mesh(mesh) => mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max),
+        Shape::Spheres(spheres) => spheres.iter().map(|s| s.center.length() + s.radius).fold(0.0, f32::max),
+    }
+}
+
+/// The blockers as one receiver sees them.
+pub(crate) enum View<'w> {
+    /// Rays from an origin.
+    Rays {
+        /// What they may hit.
+        world: &'w World,
+        /// Where they start.
+        origin: Vec3,
+    },
+    /// Blocked circles: centre and squared chord from the centre to the rim, the largest first.
+    Circles(Vec<(Vec3, f32)>),
+}
+
+impl View<'_> {
+    /// Whether each unit direction is blocked; the slices have equal lengths.
+    pub(crate) fn blocked(&self, directions: &[Vec3], blocked: &mut [bool]) {
+        match self {
+            View::Rays { world, origin } => world.occluded_from(*origin, 0.0, directions, blocked),
+            View::Circles(circles) => {
+                for (direction, blocked) in directions.iter().zip(blocked) {
+                    *blocked = circles.iter().any(|(axis, chord)| direction.distance_squared(*axis) <= *chord);
+                }
+            }
+        }
+    }
+}
+
+/// The circles that reach above the receiver's horizon. As chords, small circles keep their size in `f32`.
+fn circles(receiver: &Receiver, spheres: &[Sphere], rule: SelfShadow) -> Vec<(Vec3, f32)> {
+    let mut circles: Vec<(Vec3, f32)> = spheres
+        .iter()
+        .filter_map(|sphere| seen(rule, receiver.position, receiver.geometric_normal, sphere))
+        .filter(|circle| circle.axis.dot(receiver.normal) > -circle.sin_angle)
+        .map(|circle| (circle.axis, 2.0 * circle.sin_angle * circle.sin_angle / (1.0 + circle.cos_angle())))
+        .collect();
+    circles.sort_by(|a, b| b.1.total_cmp(&a.1));
+    circles
+}

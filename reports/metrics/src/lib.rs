@@ -1,0 +1,30 @@
+//! How far a picture is from a reference: error measures, the comparator of the gates, and statistics of repeats.
+//!
+//! [`compare`] measures over the receivers that are valid in both pictures. A difference is one channel of one receiver,
+//! `d = x − r`, in linear radiance:
+//!
+//! | measure | definition |
+//! |---|---|
+//! | RMSE | `√mean(d²)` |
+//! | relative MSE | `mean(d² / (r² + 0.01))` |
+//! | mean absolute error | `mean(abs(d))` |
+//! | bias | `mean(d)`, signed: negative is too dark |
+//! | max | `max(abs(d))` |
+//! | 99th percentile | of `abs(d)`, linearly interpolated |
+//! | SSIM | Wang et al. 2004, on display luminance (see [`Exposure`]); images only |
+//! | FLIP | Andersson et al. 2020, on display colours (see [`Exposure`]); images only |
+//!
+//! SSIM and FLIP judge displayed pictures: both pictures are exposed alike, by the *reference's* exposure.
+
+mod agree;
+mod display;
+mod perceptual;
+mod picture;
+mod scores;
+mod statistics;
+
+pub use agree::{Disagreement, Tolerance, agrees};
+pub use display::Exposure;
+pub use picture::{CompareError, Layout, Picture};
+pub use scores::{Scores, VERSION, compare};
+pub use statistics::{Interval, median, median_interval, percentile};

@@ -1,0 +1,142 @@
+//! From the store to a report's data.
+
+use crate::labels::{Labels, SceneNames};
+use crate::{Absent, Reference, Report, Row, Scene};
+use halflight_results::{Cell, Key, Picture, Record, Run, Score, Store};
+use std::collections::BTreeMap;
+
+/// Assembles a report from everything in the store: the latest outcome of every cell, in the order of first appearance.
+///
+/// A picture that is missing or damaged is left out with a warning in the report; it does not stop the rest.
+pub fn build(store: &Store, title: &str) -> Report {
+    let cells = || store.outcomes().filter_map(Record::cell);
+    let mut collector = Collector {
+        store,
+        labels: Labels::of(cells()),
+        names: SceneNames::of(cells()),
+        report: Report {
+            title: title.to_owned(),
+            environments: Vec::new(),
+            labels: Vec::new(),
+            methods: Vec::new(),
+            scenes: Vec::new(),
+            skips: Vec::new(),
+            failures: Vec::new(),
+            warnings: store.warnings().to_vec(),
+        },
+    };
+    for record in store.outcomes() {
+        match record {
+            Record::Run(run) => collector.run(run),
+            Record::Skip(skip) => {
+                let absent = collector.absent(&skip.cell, &skip.reason);
+                collector.report.skips.push(absent);
+            }
+            Record::Failure(failure) => {
+                let absent = collector.absent(&failure.cell, &failure.error);
+                collector.report.failures.push(absent);
+            }
+            Record::Score(_) => {}
+        }
+    }
+    let mut report = collector.report;
+    for scene in &mut report.scenes {
+        scene.rows.sort_by_key(|row| row.label);
+        // A stable sort: `truth` first, the others as they came.
+        scene.references.sort_by_key(|reference| reference.id != "truth");
+    }
+    report
+}
+
+struct Collector<'a> {
+    store: &'a Store,
+    labels: Labels,
+    names: SceneNames,
+    report: Report,
+}
+
+impl Collector<'_> {
+    fn run(&mut self, run: &Run) {
+        if !self.report.environments.contains(&run.environment) {
+            self.report.environments.push(run.environment.clone());
+        }
+        let label = self.label(&run.cell);
+        let scores = newest(self.store.scores(&run.cell.key()));
+        let picture = run.image.as_ref().and_then(|image| self.picture(image));
+        let scene = self.scene(&run.cell);
+        for score in &scores {
+            self.reference(scene, score);
+        }
+        self.report.scenes[scene].rows.push(Row { label, run: run.clone(), picture, scores });
+    }
+
+    fn absent(&mut self, cell: &Cell, why: &str) -> Absent {
+        Absent { scene: self.names.name(cell), label: self.label(cell), why: why.to_owned() }
+    }
+
+    fn label(&mut self, cell: &Cell) -> usize {
+        let label = self.labels.label(cell);
+        let known = self.report.labels.iter().position(|l| *l == label);
+        known.unwrap_or_else(|| {
+            self.report.labels.push(label);
+            self.report.methods.push(cell.method.clone());
+            self.report.labels.len() - 1
+        })
+    }
+
+    fn scene(&mut self, cell: &Cell) -> usize {
+        let name = self.names.name(cell);
+        let known = self.report.scenes.iter().position(|s| s.name == name);
+        known.unwrap_or_else(|| {
+            self.report.scenes.push(Scene { name, references: Vec::new(), rows: Vec::new() });
+            self.report.scenes.len() - 1
+        })
+    }
+
+    fn reference(&mut self, scene: usize, score: &Score) {
+        let section = &self.report.scenes[scene];
+        if section.references.iter().all(|r| r.id != score.reference) {
+            let picture = self.picture(&score.reference_image);
+            let reference = Reference { id: score.reference.clone(), picture };
+            self.report.scenes[scene].references.push(reference);
+        }
+        let section = &self.report.scenes[scene];
+        let others = section.rows.iter().filter_map(|row| row.score(&score.reference));
+        if others.into_iter().any(|other| other.reference_image != score.reference_image) {
+            let warning = format!(
+                "scene {}: its runs were scored against different pictures of the reference `{}`: their errors are not \
+                 strictly comparable; score them again",
+                section.name, score.reference
+            );
+            self.warn(warning);
+        }
+    }
+
+    fn picture(&mut self, image: &Key) -> Option<Picture> {
+        match self.store.read_picture(image) {
+            Ok(picture) => Some(picture),
+            Err(error) => {
+                self.warn(format!("picture left out: {error}"));
+                None
+            }
+        }
+    }
+
+    fn warn(&mut self, warning: String) {
+        if !self.report.warnings.contains(&warning) {
+            self.report.warnings.push(warning);
+        }
+    }
+}
+
+/// One score a reference: of the newest metrics, and of those the latest.
+fn newest(scores: Vec<&Score>) -> Vec<Score> {
+    let mut best: BTreeMap<&str, &Score> = BTreeMap::new();
+    for score in scores {
+        let held = best.entry(&score.reference).or_insert(score);
+        if score.metrics >= held.metrics {
+            *held = score;
+        }
+    }
+    best.into_values().cloned().collect()
+}

@@ -1,0 +1,118 @@
+//! Short names for settings and scenes: what is the same everywhere need not be said.
+
+use halflight_results::Cell;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Names settings by their method and by those fields alone in which the method's cells differ.
+pub(crate) struct Labels {
+    /// By method, the names of the fields that differ.
+    differing: BTreeMap<String, BTreeSet<String>>,
+}
+
+impl Labels {
+    pub(crate) fn of<'a>(cells: impl Iterator<Item = &'a Cell>) -> Self {
+        let mut seen: BTreeMap<String, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
+        for cell in cells {
+            let fields = seen.entry(cell.method.clone()).or_default();
+            for (name, value) in fields_of(cell) {
+                fields.entry(name).or_default().insert(value);
+            }
+        }
+        let differing = seen.into_iter().map(|(method, fields)| {
+            let names = fields.into_iter().filter(|(_, values)| values.len() > 1).map(|(name, _)| name).collect();
+            (method, names)
+        });
+        Self { differing: differing.collect() }
+    }
+
+    /// The label of a cell.
+    pub(crate) fn label(&self, cell: &Cell) -> String {
+        let differing = self.differing.get(&cell.method);
+        let shown = fields_of(cell).into_iter().filter(|(name, _)| differing.is_some_and(|d| d.contains(name)));
+        let parts: Vec<String> = shown.map(|(name, value)| format!("{name} {value}")).collect();
+        if parts.is_empty() { cell.method.clone() } else { format!("{} · {}", cell.method, parts.join(", ")) }
+    }
+}
+
+/// All that tells two settings of a method apart within a scene.
+fn fields_of(cell: &Cell) -> Vec<(String, String)> {
+    let mut fields: Vec<(String, String)> =
+        cell.params.iter().map(|(name, value)| (name.clone(), value_text(value))).collect();
+    fields.push(("backend".into(), cell.backend.clone()));
+    fields.push(("quantity".into(), cell.quantity.clone()));
+    fields.push(("seed".into(), cell.seed.to_string()));
+    fields.push(("revision".into(), cell.revision.chars().take(8).collect()));
+    fields.push(("on".into(), cell.timed_on.clone().unwrap_or_default()));
+    fields
+}
+
+/// A parameter's value: strings without their quotes.
+pub(crate) fn value_text(value: &serde_json::Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// Names the sections: a scene's name, with the frame, the receivers or the content's hash where it has several.
+pub(crate) struct SceneNames {
+    hashes: BTreeMap<String, BTreeSet<String>>,
+    frames: BTreeMap<String, BTreeSet<u32>>,
+    receivers: BTreeMap<String, BTreeSet<String>>,
+}
+
+impl SceneNames {
+    pub(crate) fn of<'a>(cells: impl Iterator<Item = &'a Cell>) -> Self {
+        let mut names = Self { hashes: BTreeMap::new(), frames: BTreeMap::new(), receivers: BTreeMap::new() };
+        for cell in cells {
+            names.hashes.entry(cell.scene.clone()).or_default().insert(cell.scene_hash.clone());
+            names.frames.entry(cell.scene.clone()).or_default().insert(cell.frame);
+            // A skipped cell may never have had receivers.
+            if !cell.receivers_hash.is_empty() {
+                names.receivers.entry(cell.scene.clone()).or_default().insert(cell.receivers_hash.clone());
+            }
+        }
+        names
+    }
+
+    pub(crate) fn name(&self, cell: &Cell) -> String {
+        let start = |hash: &str| hash.chars().take(8).collect::<String>();
+        let mut name = cell.scene.clone();
+        if self.frames.get(&cell.scene).is_some_and(|f| f.len() > 1) {
+            name += &format!(" · frame {}", cell.frame);
+        }
+        if self.hashes.get(&cell.scene).is_some_and(|h| h.len() > 1) {
+            name += &format!(" · content {}", start(&cell.scene_hash));
+        }
+        if self.receivers.get(&cell.scene).is_some_and(|r| r.len() > 1) && !cell.receivers_hash.is_empty() {
+            name += &format!(" · receivers {}", start(&cell.receivers_hash));
+        }
+        name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(scene: &str, method: &str, order: u32, frame: u32) -> Cell {
+        let params = [("order".to_owned(), order.into()), ("rule".to_owned(), "paper".into())].into();
+        Cell { scene: scene.into(), method: method.into(), params, frame, ..Cell::default() }
+    }
+
+    #[test]
+    fn labels_say_only_what_differs() {
+        let cells = [cell("s", "a/x", 3, 0), cell("s", "a/x", 4, 0), cell("s", "b/y", 4, 0), cell("t", "b/y", 4, 0)];
+        let labels = Labels::of(cells.iter());
+        let names: Vec<String> = cells.iter().map(|c| labels.label(c)).collect();
+        assert_eq!(names, ["a/x · order 3", "a/x · order 4", "b/y", "b/y"]);
+    }
+
+    #[test]
+    fn scenes_are_told_apart_by_what_differs() {
+        let mut cells = vec![cell("s", "a", 3, 0), cell("s", "a", 3, 1), cell("t", "a", 3, 0)];
+        cells[2].scene_hash = "0123456789".into();
+        let names = SceneNames::of(cells.iter());
+        assert_eq!(names.name(&cells[1]), "s · frame 1");
+        assert_eq!(names.name(&cells[2]), "t");
+        cells.push(cell("t", "a", 3, 0));
+        assert_eq!(SceneNames::of(cells.iter()).name(&cells[2]), "t · content 01234567");
+    }
+}

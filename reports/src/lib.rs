@@ -1,0 +1,27 @@
+//! One self-contained HTML page from a results directory: who was how far off, at what cost.
+//!
+//! [`build`] reads everything from the store, references included, so a report can be made again from the directory
+//! alone; [`Report::html`] renders it. The page loads nothing from anywhere.
+//!
+//! ```no_run
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let store = halflight_results::Store::open("halflight-out")?;
+//! let report = halflight_reports::build(&store, "Halflight: quick suite");
+//! report.write(&store.dir().join("report.html"))?;
+//! # Ok(())
+//! # }
+//! ```
+
+mod collect;
+mod figures;
+mod format;
+mod labels;
+mod page;
+mod plot;
+mod raster;
+mod report;
+mod summary;
+mod tables;
+
+pub use collect::build;
+pub use report::{Absent, Reference, Report, ReportError, Row, Scene};

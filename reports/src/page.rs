@@ -1,0 +1,157 @@
+//! The page: header, summary, a section a scene, what was not run, and how to read it all.
+
+use crate::format::{escape, number};
+use crate::plot::{Point, error_against_time};
+use crate::summary::{matrix, shade_time, standard_error};
+use crate::{Absent, Report, ReportError, Scene, figures, tables};
+use std::fmt::Write;
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+const GUIDE: &str = include_str!("guide.html");
+
+/// Colours that stay apart for colour-blind eyes (Okabe and Ito 2008) and stand on light and dark paper.
+const PALETTE: [[u8; 3]; 7] =
+    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [196, 140, 0], [86, 160, 213], [128, 128, 128]];
+
+/// The whole page.
+pub(crate) fn html(report: &Report) -> Result<String, ReportError> {
+    let mut sections = String::new();
+    for section in 0..report.scenes.len() {
+        sections += &scene(report, section)?;
+    }
+    let title = escape(&report.title);
+    Ok([
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">",
+        "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">",
+        // Nothing may be loaded, whatever a name in the data says.
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
+         script-src 'unsafe-inline'; img-src data:\">",
+        &format!("<title>{title}</title><style>{STYLE}</style></head><body><main><h1>{title}</h1>"),
+        &header(report),
+        &warnings(report),
+        GUIDE,
+        "<h2 id=\"summary\">Summary</h2>",
+        &summary(report),
+        &sections,
+        &absent(report),
+        "<h2>Settings in full</h2>",
+        &tables::settings(report),
+        &format!("</main><script>{SCRIPT}</script></body></html>\n"),
+    ]
+    .concat())
+}
+
+/// The number of a setting in its method's colour.
+pub(crate) fn chip(report: &Report, label: usize) -> String {
+    let [r, g, b] = colour(report, label);
+    format!("<i class=\"chip\" style=\"background:rgb({r},{g},{b})\">{}</i>", label + 1)
+}
+
+fn colour(report: &Report, label: usize) -> [u8; 3] {
+    let mut methods: Vec<&String> = Vec::new();
+    for method in &report.methods {
+        if !methods.contains(&method) {
+            methods.push(method);
+        }
+    }
+    let place = methods.iter().position(|m| **m == report.methods[label]).unwrap_or(0);
+    PALETTE[place % PALETTE.len()]
+}
+
+fn header(report: &Report) -> String {
+    let runs: usize = report.scenes.iter().map(|s| s.rows.len()).sum();
+    let mut html = format!(
+        "<p class=\"lead\">{runs} runs of {} settings in {} scenes; {} skipped, {} failed.</p><dl class=\"machine\">",
+        report.labels.len(),
+        report.scenes.len(),
+        report.skips.len(),
+        report.failures.len()
+    );
+    for e in &report.environments {
+        let _ = write!(
+            html,
+            "<dt>machine</dt><dd>{}, {} logical cores, {} threads used, {}</dd><dt>build</dt><dd>halflight {}, {}, {}</dd>",
+            escape(&e.cpu),
+            e.cores,
+            e.threads,
+            escape(&e.os),
+            escape(&e.halflight),
+            escape(&e.profile),
+            escape(&e.rustc)
+        );
+    }
+    html + "</dl>"
+}
+
+fn warnings(report: &Report) -> String {
+    let items = report.warnings.iter().map(|w| format!("<li>{}</li>", escape(w))).collect::<String>();
+    if items.is_empty() { items } else { format!("<ul class=\"warnings\">{items}</ul>") }
+}
+
+fn summary(report: &Report) -> String {
+    if report.labels.is_empty() {
+        return "<p>The store is empty: nothing was run yet.</p>".into();
+    }
+    format!(
+        "{}<p class=\"note\">Upper line: RMSE (radiance) against the reference named in the column, ± its own standard \
+         error. Lower line: median shade time. ★ the best by more than the noise; ≈ not told apart from the best. Where an error is \
+         not resolved, no error is marked.</p>",
+        matrix(report)
+    )
+}
+
+fn scene(report: &Report, section: usize) -> Result<String, ReportError> {
+    let scene = &report.scenes[section];
+    Ok([
+        format!("<h2 id=\"scene-{section}\">{}</h2>", escape(&scene.name)),
+        figures::figures(report, section)?,
+        plot(report, scene)?,
+        tables::tables(report, scene),
+    ]
+    .concat())
+}
+
+fn plot(report: &Report, scene: &Scene) -> Result<String, ReportError> {
+    let Some(reference) = scene.main_reference() else { return Ok(String::new()) };
+    let mut key = String::new();
+    let mut points = Vec::new();
+    for row in &scene.rows {
+        let (Some(score), Some(time)) = (row.score(reference), shade_time(row)) else { continue };
+        let Some(&error) = score.measures.get("rmse") else { continue };
+        let colour = colour(report, row.label);
+        points.push(Point { number: row.label + 1, colour, time, error, resolved: score.resolved });
+        let _ = write!(key, "<li>{}{}</li>", chip(report, row.label), escape(&report.labels[row.label]));
+    }
+    let noise = standard_error(scene, reference);
+    let Some(svg) = error_against_time(&points, noise, reference)? else { return Ok(String::new()) };
+    Ok(format!(
+        "<figure class=\"plot\"><figcaption><b>Error against time.</b> Lower left is better. Hollow: not \
+         resolved, so drawn at the reference's standard error ({}).</figcaption><div class=\"plotted\">{svg}<ul>{key}</ul></div></figure>",
+        number(noise)
+    ))
+}
+
+fn absent(report: &Report) -> String {
+    let mut html = String::from("<h2 id=\"absent\">Skipped and failed</h2>");
+    if report.skips.is_empty() && report.failures.is_empty() {
+        return html + "<p>None: every planned cell was run.</p>";
+    }
+    html +=
+        "<div class=\"wide\"><table><thead><tr><th>setting</th><th>scene</th><th></th><th>why</th></tr></thead><tbody>";
+    let list = |list: &[Absent], class: &str, html: &mut String| {
+        for absent in list {
+            let _ = write!(
+                html,
+                "<tr><th>{}{}</th><td class=\"text\">{}</td><td class=\"{class}\">{class}</td><td class=\"text\">{}</td></tr>",
+                chip(report, absent.label),
+                escape(&report.labels[absent.label]),
+                escape(&absent.scene),
+                escape(&absent.why)
+            );
+        }
+    };
+    list(&report.failures, "failed", &mut html);
+    list(&report.skips, "skipped", &mut html);
+    html + "</tbody></table></div>"
+}

@@ -1,0 +1,132 @@
+//! What a report holds: plain data, assembled by [`crate::build`].
+
+use halflight_results::{Environment, Picture, Run, Score};
+use std::path::{Path, PathBuf};
+
+/// Everything that the page shows.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The page's title.
+    pub title: String,
+    /// The machines and builds of the runs, without repetitions.
+    pub environments: Vec<Environment>,
+    /// The settings compared: a method with the parameters that tell it from its siblings. A place in this list numbers a
+    /// setting from 1 on the whole page.
+    pub labels: Vec<String>,
+    /// The method of each label.
+    pub methods: Vec<String>,
+    /// One section a scene and frame.
+    pub scenes: Vec<Scene>,
+    /// Cells that were skipped.
+    pub skips: Vec<Absent>,
+    /// Cells that failed.
+    pub failures: Vec<Absent>,
+    /// What was wrong with the store, for the reader to know.
+    pub warnings: Vec<String>,
+}
+
+/// One scene at one frame, seen at one set of receivers.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Its name, with the frame or a hash where the name alone is ambiguous.
+    pub name: String,
+    /// The references that its runs were scored against; `truth` first.
+    pub references: Vec<Reference>,
+    /// Its runs, ordered by label.
+    pub rows: Vec<Row>,
+}
+
+/// A reference of a scene.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Its id, such as `truth`.
+    pub id: String,
+    /// Its picture; none where the file is missing or damaged.
+    pub picture: Option<Picture>,
+}
+
+/// One run.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Place in [`Report::labels`].
+    pub label: usize,
+    /// The run's record.
+    pub run: Run,
+    /// Its picture; none where there is none or its file is missing or damaged.
+    pub picture: Option<Picture>,
+    /// Its scores, one a reference.
+    pub scores: Vec<Score>,
+}
+
+/// A cell without a run.
+#[derive(Clone, Debug)]
+pub struct Absent {
+    /// Its scene's section name.
+    pub scene: String,
+    /// Place in [`Report::labels`].
+    pub label: usize,
+    /// The reason of a skip or the error of a failure.
+    pub why: String,
+}
+
+/// Why a report could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The page could not be written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A picture could not be encoded.
+    #[error("encoding a picture as PNG: {0}")]
+    Png(#[from] png::EncodingError),
+    /// A plot could not be drawn.
+    #[error("drawing a plot: {0}")]
+    Plot(String),
+}
+
+impl Report {
+    /// The page.
+    ///
+    /// # Errors
+    /// A picture could not be encoded or a plot not be drawn.
+    pub fn html(&self) -> Result<String, ReportError> {
+        crate::page::html(self)
+    }
+
+    /// Writes the page, beside its place first, so that an older page is replaced whole or not at all.
+    ///
+    /// # Errors
+    /// The page could not be made or written.
+    pub fn write(&self, path: &Path) -> Result<(), ReportError> {
+        let html = self.html()?;
+        let beside = path.with_extension(format!("{}.tmp", std::process::id()));
+        std::fs::write(&beside, html).and_then(|()| std::fs::rename(&beside, path)).map_err(|source| {
+            // The first error is the one to report.
+            let _ = std::fs::remove_file(&beside);
+            ReportError::Io { path: path.to_owned(), source }
+        })
+    }
+}
+
+impl Scene {
+    /// The id of the reference that the summary, the pictures and the plot use: `truth`, or else the first there is.
+    pub fn main_reference(&self) -> Option<&str> {
+        self.references.first().map(|r| r.id.as_str())
+    }
+}
+
+impl Row {
+    /// The score against a reference.
+    pub fn score(&self, reference: &str) -> Option<&Score> {
+        self.scores.iter().find(|s| s.reference == reference)
+    }
+
+    /// An error measure against a reference.
+    pub fn measure(&self, reference: &str, name: &str) -> Option<f64> {
+        self.score(reference)?.measures.get(name).copied()
+    }
+}

@@ -1,0 +1,93 @@
+//! Files that a scene names: read, checked against their hash, decoded by extension.
+
+mod image;
+mod obj;
+mod off;
+mod ply;
+mod points;
+mod proper;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+
+use crate::check::Checker;
+use crate::{Content, Mesh, SceneError};
+
+pub(crate) use image::Image;
+pub use points::read_points_csv;
+
+/// The folder that a scene's asset paths start from.
+pub(crate) struct Assets<'a> {
+    scene: &'a Path,
+}
+
+impl<'a> Assets<'a> {
+    pub(crate) fn beside(scene: &'a Path) -> Self {
+        Assets { scene }
+    }
+
+    /// Reads a file and compares its SHA-256, where the scene gives one.
+    pub(crate) fn read(&self, field: &str, file: &str, sha256: Option<&str>) -> Result<Asset, SceneError> {
+        let path = self.scene.parent().unwrap_or(Path::new("")).join(file);
+        let bytes = read(&path)?;
+        if let Some(expected) = sha256 {
+            let found = Content::of(&bytes).to_string();
+            if !found.eq_ignore_ascii_case(expected) {
+                let check = Checker { file: self.scene };
+                let expected = format!("the hash of {}, {found}", path.display());
+                return Err(check.invalid(&format!("{field}.sha256"), expected, sha256.unwrap_or_default()));
+            }
+        }
+        Ok(Asset { path, bytes })
+    }
+}
+
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
+    std::fs::read(path).map_err(|reason| SceneError::Unreadable { file: path.to_owned(), reason })
+}
+
+/// The bytes of a file.
+pub(crate) struct Asset {
+    pub(crate) path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+impl Asset {
+    /// A checked mesh, and how many triangles without area were dropped.
+    pub(crate) fn mesh(&self, weld: bool, drop_degenerate: bool) -> Result<(Mesh, usize), SceneError> {
+        let check = self.check();
+        let raw = match self.extension().as_str() {
+            "obj" => obj::read(check, &self.bytes),
+            "off" => off::read(check, &self.bytes),
+            "ply" => ply::read(check, &self.bytes),
+            other => Err(check.invalid("extension", "a mesh as .obj, .off or .ply", other)),
+        }?;
+        let raw = if weld { proper::welded(&raw) } else { raw };
+        proper::mesh(check, raw, drop_degenerate)
+    }
+
+    /// A picture of radiance.
+    pub(crate) fn image(&self) -> Result<Image, SceneError> {
+        let check = self.check();
+        match self.extension().as_str() {
+            "exr" => image::read_exr(check, &self.bytes),
+            "hdr" => image::read_hdr(check, &self.bytes),
+            other => Err(check.invalid("extension", "a picture as .exr or .hdr", other)),
+        }
+    }
+
+    /// Positions and unit normals.
+    pub(crate) fn points(&self) -> Result<Vec<(Vec3, Vec3)>, SceneError> {
+        points::parse(self.check(), &self.bytes)
+    }
+
+    fn check(&self) -> Checker<'_> {
+        Checker { file: &self.path }
+    }
+
+    fn extension(&self) -> String {
+        self.path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+    }
+}

@@ -1,0 +1,26 @@
+//! Facts about a scene that decide what is run, before any work.
+
+/// What a method may ask before it says whether it supports a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneFacts {
+    /// Objects, and how many of them cast shadows.
+    pub objects: usize,
+    /// Objects that cast shadows.
+    pub casters: usize,
+    /// Triangles of all meshes.
+    pub triangles: usize,
+    /// Exact spheres of all objects.
+    pub spheres: usize,
+    /// Environment maps.
+    pub environments: usize,
+    /// Analytic skies.
+    pub skies: usize,
+    /// Circular key lights.
+    pub key_lights: usize,
+    /// Frames in the sequence.
+    pub frames: usize,
+    /// Whether any object moves.
+    pub moving: bool,
+    /// Receivers a frame.
+    pub receivers: usize,
+}

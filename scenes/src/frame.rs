@@ -1,0 +1,40 @@
+//! Frames: the scene posed at one time.
+
+use std::sync::Arc;
+
+use crate::{Pose, Receivers, Revision};
+
+/// An object of the scene at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct PosedObject {
+    /// Index into [`crate::Scene::objects`].
+    pub object: usize,
+    /// Rigid motion from rest.
+    pub pose: Pose,
+    /// Changes exactly when shape, albedo or pose does.
+    pub revision: Revision,
+}
+
+/// A light of the scene at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct PosedLight {
+    /// Index into [`crate::Scene::lights`].
+    pub light: usize,
+    /// Changes exactly when what the light emits does.
+    pub revision: Revision,
+}
+
+/// The posed scene at one time with its receivers.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Position in the sequence.
+    pub index: usize,
+    /// Seconds.
+    pub time: f32,
+    /// All objects, in the scene's order.
+    pub objects: Vec<PosedObject>,
+    /// All lights, in the scene's order.
+    pub lights: Vec<PosedLight>,
+    /// Where light is asked.
+    pub receivers: Arc<Receivers>,
+}

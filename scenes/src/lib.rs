@@ -1,0 +1,41 @@
+//! Scenes: what is lit, by what, and where it is asked.
+//!
+//! A scene file (TOML) becomes a [`Scene`]: objects, lights, a receiver layout and frames. A [`Frame`] is the
+//! scene posed at one time with its receivers in structure-of-arrays form; it is all that methods and
+//! references ever see. Space is right-handed, z up, in metres; radiance is linear Rec. 709.
+#![doc = include_str!("../README.md")]
+
+mod assets;
+mod camera;
+mod check;
+mod content;
+mod error;
+mod facts;
+mod format;
+mod frame;
+mod light;
+mod load;
+mod mesh;
+mod object;
+mod placement;
+mod receivers;
+mod scene;
+mod shipped;
+
+pub use assets::read_points_csv;
+pub use camera::Camera;
+pub use content::{Content, Revision};
+pub use error::SceneError;
+pub use facts::SceneFacts;
+pub use frame::{Frame, PosedLight, PosedObject};
+pub use halflight_trace::Sphere;
+pub use light::{Environment, KeyLight, Light, Sky};
+pub use mesh::Mesh;
+pub use object::{Object, Pose, Shape};
+pub use placement::{Grid, Placement};
+pub use receivers::{Layout, Place, Receivers};
+pub use scene::{Scene, Which};
+pub use shipped::{find, shipped};
+
+/// Linear Rec. 709 red, green and blue.
+pub type Rgb = glam::Vec3;

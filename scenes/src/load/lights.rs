@@ -1,0 +1,56 @@
+//! Lights of a scene file.
+
+use std::sync::Arc;
+
+use crate::assets::Assets;
+use crate::check::Checker;
+use crate::format::{EnvironmentFile, KeyLightFile, LightFile, SkyFile};
+use crate::{Environment, KeyLight, Light, Rgb, SceneError, Sky};
+
+pub(super) fn load(check: Checker, assets: &Assets, files: &[LightFile]) -> Result<Vec<Light>, SceneError> {
+    check.ensure(!files.is_empty(), "lights", "at least one light", files.len())?;
+    files.iter().enumerate().map(|(index, file)| light(check, assets, &format!("lights[{index}]"), file)).collect()
+}
+
+fn light(check: Checker, assets: &Assets, field: &str, file: &LightFile) -> Result<Light, SceneError> {
+    match (&file.environment, &file.sky, &file.key) {
+        (Some(file), None, None) => environment(check, assets, &format!("{field}.environment"), file),
+        (None, Some(file), None) => sky(check, &format!("{field}.sky"), file),
+        (None, None, Some(file)) => key(check, &format!("{field}.key"), file),
+        (environment, sky, key) => {
+            let given = [("environment", environment.is_some()), ("sky", sky.is_some()), ("key", key.is_some())];
+            Err(check.not_one(field, &given))
+        }
+    }
+}
+
+fn environment(check: Checker, assets: &Assets, field: &str, file: &EnvironmentFile) -> Result<Light, SceneError> {
+    let scale = check.positive(&format!("{field}.scale"), file.scale)?;
+    let rotation = check.number(&format!("{field}.rotate"), file.rotate)?.to_radians();
+    let image = assets.read(field, &file.file, file.sha256.as_deref())?.image()?;
+    let texels: Vec<Rgb> = image.texels.into_iter().map(|texel| texel * scale).collect();
+    let brightest = texels.iter().fold(0.0, |most: f32, texel| most.max(texel.max_element()));
+    check.number(&format!("{field}.scale: brightest texel"), brightest)?;
+    Ok(Light::Environment(Environment { width: image.width, height: image.height, texels: Arc::new(texels), rotation }))
+}
+
+fn sky(check: Checker, field: &str, file: &SkyFile) -> Result<Light, SceneError> {
+    match (file.uniform, file.overcast) {
+        (Some(radiance), None) => Ok(Light::Sky(Sky::Uniform(check.radiance(&format!("{field}.uniform"), radiance)?))),
+        (None, Some(zenith)) => Ok(Light::Sky(Sky::Overcast(check.radiance(&format!("{field}.overcast"), zenith)?))),
+        (uniform, overcast) => {
+            Err(check.not_one(field, &[("uniform", uniform.is_some()), ("overcast", overcast.is_some())]))
+        }
+    }
+}
+
+fn key(check: Checker, field: &str, file: &KeyLightFile) -> Result<Light, SceneError> {
+    let radius = file.angular_radius;
+    let within = radius > 0.0 && radius <= 90.0;
+    check.ensure(within, &format!("{field}.angular_radius"), "degrees above 0 and at most 90", radius)?;
+    Ok(Light::Key(KeyLight {
+        direction: check.direction(&format!("{field}.direction"), file.direction)?,
+        angular_radius: radius.to_radians(),
+        radiance: check.radiance(&format!("{field}.radiance"), file.radiance)?,
+    }))
+}

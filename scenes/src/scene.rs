@@ -1,0 +1,166 @@
+//! The scene: everything that a scene file says, loaded and checked.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use glam::Vec3;
+use halflight_trace::{Geometry, World};
+
+use crate::content::Collector;
+use crate::{
+    Camera, Content, Frame, Light, Object, Placement, PosedLight, PosedObject, Receivers, Rgb, SceneFacts, Shape,
+    placement,
+};
+
+/// A loaded scene.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name: the scene file's stem.
+    pub name: String,
+    /// One line: what this scene is for.
+    pub purpose: String,
+    /// Hash of everything that decides its pictures: shapes, albedos, motion, lights, camera, receivers and frames,
+    /// but neither names nor where files lie.
+    pub content: Content,
+    /// Objects.
+    pub objects: Vec<Object>,
+    /// Lights.
+    pub lights: Vec<Light>,
+    /// Camera, where the scene has one.
+    pub camera: Option<Camera>,
+    /// Where light is asked.
+    pub placement: Placement,
+    /// Number of frames, at least 1.
+    pub frame_count: usize,
+    /// Frames a second; frame `i` is at `i / fps` seconds.
+    pub fps: f32,
+    /// What loading had to repair, one line each.
+    pub notices: Vec<String>,
+}
+
+/// Which objects a traced world holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// Those that cast shadows.
+    Casters,
+    /// All, as the camera sees them.
+    All,
+}
+
+impl Scene {
+    /// Facts for planning.
+    pub fn facts(&self) -> SceneFacts {
+        let mut facts = SceneFacts {
+            objects: self.objects.len(),
+            casters: self.objects.iter().filter(|object| object.casts).count(),
+            frames: self.frame_count,
+            moving: self.objects.iter().any(|object| !object.motion.is_empty()),
+            receivers: self.receiver_count(),
+            ..SceneFacts::default()
+        };
+        for object in &self.objects {
+            match &*object.shape {
+                Shape::Mesh(mesh) => facts.triangles += mesh.triangles.len(),
+                Shape::Spheres(spheres) => facts.spheres += spheres.len(),
+            }
+        }
+        for light in &self.lights {
+            match light {
+                Light::Environment(_) => facts.environments += 1,
+                Light::Sky(_) => facts.skies += 1,
+                Light::Key(_) => facts.key_lights += 1,
+            }
+        }
+        facts
+    }
+
+    /// The scene posed at frame `index < frame_count`, with its receivers.
+    pub fn frame(&self, index: usize) -> Frame {
+        assert!(index < self.frame_count, "the scene has {} frames", self.frame_count);
+        let time = index as f32 / self.fps;
+        let pose = |(object, content): (usize, &Object)| {
+            let pose = content.pose_at(time);
+            PosedObject { object, pose, revision: content.revision(pose) }
+        };
+        let objects: Vec<PosedObject> = self.objects.iter().enumerate().map(pose).collect();
+        let lights = self.lights.iter().enumerate();
+        let lights =
+            lights.map(|(light, content)| PosedLight { light, revision: content.content().revision() }).collect();
+        let receivers = Arc::new(self.receivers(&objects));
+        Frame { index, time, objects, lights, receivers }
+    }
+
+    /// Radiance that arrives from all lights together along a unit direction, nothing in the way.
+    pub fn radiance(&self, direction: Vec3) -> Rgb {
+        self.lights.iter().map(|light| light.radiance(direction)).sum()
+    }
+
+    /// The objects at a frame, ready to be traced. The geometry index of a hit is the index of its object; objects
+    /// left out keep theirs.
+    pub fn world(&self, frame: &Frame, which: Which) -> World {
+        self.trace(&self.posed(&frame.objects), which)
+    }
+
+    /// The same scene with receivers at given positions and unit normals, albedo 1.
+    pub fn with_receivers(&self, points: &[(Vec3, Vec3)]) -> Scene {
+        let placed = Scene { placement: Placement::Points(Arc::new(points.to_vec())), ..self.clone() };
+        Scene { content: placed.compute_content(), ..placed }
+    }
+
+    pub(crate) fn compute_content(&self) -> Content {
+        let all = Collector::new("scene").word(self.frame_count).float(self.fps);
+        let all = all.list(&self.objects, |all, object| {
+            let all = all.content(object.content).vec3(object.albedo).word(object.casts.into()).vec3(object.pivot);
+            all.list(&object.motion, |all, (time, pose)| all.float(*time).quat(pose.rotation).vec3(pose.translation))
+        });
+        let all = all.list(&self.lights, |all, light| all.content(light.content()));
+        let seen = matches!(self.placement, Placement::Camera).then_some(self.camera).flatten();
+        let all = all.list(seen.as_slice(), |all, camera| camera.collect(all));
+        self.placement.collect(all).finish()
+    }
+
+    fn posed(&self, objects: &[PosedObject]) -> Vec<Cow<'_, Shape>> {
+        objects.iter().map(|posed| self.objects[posed.object].shape.posed(posed.pose)).collect()
+    }
+
+    fn trace(&self, posed: &[Cow<'_, Shape>], which: Which) -> World {
+        let held = self.objects.iter().map(|object| which == Which::All || object.casts);
+        let shapes = posed.iter().zip(held);
+        let geometries: Vec<Geometry> =
+            shapes.map(|(shape, held)| if held { shape.geometry() } else { Geometry::Spheres(&[]) }).collect();
+        World::build(&geometries)
+    }
+
+    fn receivers(&self, objects: &[PosedObject]) -> Receivers {
+        match &self.placement {
+            Placement::Camera => {
+                let camera = self.camera.as_ref().expect("a scene with camera receivers has a camera");
+                let posed = self.posed(objects);
+                placement::pixels(camera, &self.trace(&posed, Which::All), &self.objects, &posed)
+            }
+            Placement::Vertices { object } => match &*self.objects[*object].shape {
+                Shape::Mesh(mesh) => {
+                    placement::vertices(*object, &mesh.posed(objects[*object].pose), self.objects[*object].albedo)
+                }
+                Shape::Spheres(_) => unreachable!("vertex receivers lie on a mesh"),
+            },
+            Placement::Grid(grid) => match grid.object {
+                Some(object) => grid.receivers(self.objects[object].albedo, objects[object].pose),
+                None => grid.receivers(Rgb::ONE, crate::Pose::IDENTITY),
+            },
+            Placement::Points(points) => placement::points(points),
+        }
+    }
+
+    fn receiver_count(&self) -> usize {
+        match &self.placement {
+            Placement::Camera => self.camera.map_or(0, |camera| camera.width * camera.height),
+            Placement::Vertices { object } => match &*self.objects[*object].shape {
+                Shape::Mesh(mesh) => mesh.positions.len(),
+                Shape::Spheres(_) => 0,
+            },
+            Placement::Grid(grid) => grid.resolution[0] * grid.resolution[1],
+            Placement::Points(points) => points.len(),
+        }
+    }
+}

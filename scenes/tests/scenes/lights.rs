@@ -1,0 +1,100 @@
+//! Pictures of radiance from disk.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+use halflight_scenes::{Environment, Light, Rgb, Scene, SceneError};
+
+use crate::folder::Folder;
+
+pub(crate) const WIDTH: usize = 8;
+pub(crate) const HEIGHT: usize = 4;
+
+/// A radiance that tells its texel; powers of two, so that half floats and RGBE hold it exactly.
+fn value(x: usize, y: usize) -> Rgb {
+    Rgb::new(x as f32 + 1.0, (1 << y) as f32, 0.25)
+}
+
+pub(crate) fn write_exr(folder: &Folder, name: &str, value: impl Fn(usize, usize) -> Rgb + Sync) {
+    let pixel = |x: usize, y: usize| {
+        let Rgb { x, y, z } = value(x, y);
+        (x, y, z)
+    };
+    exr::prelude::write_rgb_file(folder.path(name), WIDTH, HEIGHT, pixel).unwrap();
+}
+
+pub(crate) fn write_hdr(folder: &Folder, name: &str) {
+    let pixels: Vec<_> = (0..WIDTH * HEIGHT).map(|i| image::Rgb(value(i % WIDTH, i / WIDTH).to_array())).collect();
+    let file = std::fs::File::create(folder.path(name)).unwrap();
+    image::codecs::hdr::HdrEncoder::new(file).encode(&pixels, WIDTH, HEIGHT).unwrap();
+}
+
+fn load(folder: &Folder, light: &str) -> Result<Scene, SceneError> {
+    folder.load_with(&[("sky = { uniform = [1.0, 1.0, 1.0] }", &format!("environment = {{ {light} }}"))])
+}
+
+fn environment(scene: &Scene) -> &Environment {
+    match &scene.lights[0] {
+        Light::Environment(environment) => environment,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn pictures_keep_their_texels_and_their_orientation() {
+    let folder = Folder::new();
+    write_exr(&folder, "map.exr", value);
+    write_hdr(&folder, "map.hdr");
+    for file in ["map.exr", "map.hdr"] {
+        let scene = load(&folder, &format!("file = {file:?}")).unwrap();
+        let map = environment(&scene);
+        assert_eq!((map.width, map.height), (WIDTH, HEIGHT));
+        for y in 0..HEIGHT {
+            for x in 0..WIDTH {
+                // Row 0 at +z, column 0 from +x, azimuth towards +y.
+                let polar = (y as f32 + 0.5) / HEIGHT as f32 * PI;
+                let azimuth = (x as f32 + 0.5) / WIDTH as f32 * 2.0 * PI;
+                let direction = Vec3::new(polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos());
+                assert_eq!(scene.lights[0].radiance(direction), value(x, y), "{file} {x} {y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn scale_and_rotation_apply() {
+    let folder = Folder::new();
+    write_exr(&folder, "map.exr", value);
+    let scene = load(&folder, r#"file = "map.exr", scale = 0.5, rotate = 90.0"#).unwrap();
+    let plain = load(&folder, r#"file = "map.exr""#).unwrap();
+    assert_ne!(plain.content, load(&folder, r#"file = "map.exr", scale = 0.5"#).unwrap().content);
+    assert_ne!(plain.content, load(&folder, r#"file = "map.exr", rotate = 90.0"#).unwrap().content);
+    // Column 0 began at +x; a quarter turn towards +y puts its centre to 112.5°.
+    let azimuth = 112.5f32.to_radians();
+    let direction = Vec3::new(azimuth.cos(), azimuth.sin(), 2.0).normalize();
+    assert_eq!(scene.lights[0].radiance(direction), value(0, 0) * 0.5);
+    assert_eq!(scene.radiance(-Vec3::Z).y, value(0, HEIGHT - 1).y * 0.5);
+}
+
+#[test]
+fn bad_texels_are_refused() {
+    let folder = Folder::new();
+    for bad in [-1.0, f32::NAN, f32::INFINITY] {
+        write_exr(&folder, "bad.exr", |x, y| if (x, y) == (3, 2) { Rgb::new(1.0, bad, 1.0) } else { Rgb::ONE });
+        let error = load(&folder, r#"file = "bad.exr""#).unwrap_err().to_string();
+        assert!(error.contains("bad.exr: texel (3, 2): expected finite radiance, not negative"), "{error}");
+    }
+}
+
+#[test]
+fn other_channels_and_files_are_refused() {
+    let folder = Folder::new();
+    let luminance = exr::prelude::SpecificChannels::build().with_channel::<f32>("Y").with_pixel_fn(|_| (1.0f32,));
+    use exr::prelude::WritableImage;
+    exr::prelude::Image::from_channels((WIDTH, HEIGHT), luminance).write().to_file(folder.path("grey.exr")).unwrap();
+    let error = load(&folder, r#"file = "grey.exr""#).unwrap_err().to_string();
+    assert!(error.contains("grey.exr: OpenEXR: expected channels R, G, B"), "{error}");
+    folder.write("map.png", "");
+    let error = load(&folder, r#"file = "map.png""#).unwrap_err().to_string();
+    assert!(error.contains("map.png: extension: expected a picture as .exr or .hdr"), "{error}");
+}

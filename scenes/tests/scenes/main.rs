@@ -1,0 +1,10 @@
+//! Scene files from disk to frames: formats, receivers, identity, shipped scenes, and everything that can be wrong.
+
+mod bad_input;
+mod folder;
+mod formats;
+mod identity;
+mod lights;
+mod mutations;
+mod receivers;
+mod shipped;

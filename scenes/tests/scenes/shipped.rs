@@ -1,0 +1,82 @@
+//! The shipped scenes load, are what their names say, and find themselves.
+
+use halflight_scenes::{Scene, Shape, find, shipped};
+
+fn load(name: &str) -> Scene {
+    find(name).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn all_load_with_purpose_and_valid_receivers() {
+    let names: Vec<String> = shipped().into_iter().map(|(name, ..)| name).collect();
+    let expected = ["bunny-studio", "dino-elephant-courtyard", "sphere-plane", "spheres-60", "teapot-sunset"];
+    assert_eq!(names, expected);
+    for (name, path, purpose) in shipped() {
+        let scene = load(&name);
+        assert_eq!((&scene.name, &scene.purpose), (&name, &purpose));
+        assert_eq!(scene.content, find(path.to_str().unwrap()).unwrap().content);
+        assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+        let receivers = scene.frame(0).receivers;
+        let valid = receivers.valid.iter().filter(|valid| **valid).count();
+        assert!(valid >= 2000 && valid * 10 > receivers.len() * 6, "{name}: {valid} of {}", receivers.len());
+    }
+}
+
+#[test]
+fn every_asset_has_its_hash() {
+    for (name, path, _) in shipped() {
+        let text = std::fs::read_to_string(path).unwrap();
+        let (files, hashes) = (text.matches("file = ").count(), text.matches("sha256 = ").count());
+        assert_eq!(files, hashes, "{name}");
+    }
+}
+
+#[test]
+fn models_stand_on_their_ground_a_metre_tall() {
+    for name in ["bunny-studio", "dino-elephant-courtyard", "teapot-sunset"] {
+        for object in load(name).objects.iter().filter(|object| object.casts) {
+            let Shape::Mesh(mesh) = &*object.shape else { panic!("{name}") };
+            let heights = mesh.positions.iter().map(|p| p.z);
+            let (low, high) = heights.fold((f32::MAX, f32::MIN), |(low, high), z| (low.min(z), high.max(z)));
+            assert!((-1e-3..=0.0).contains(&low), "{name}: {} begins at {low}", object.name);
+            assert!((0.7..=1.3).contains(&high), "{name}: {} ends at {high}", object.name);
+        }
+    }
+}
+
+#[test]
+fn receivers_of_the_oracle_lie_outside_its_sphere_and_see_it_clipped() {
+    let scene = load("sphere-plane");
+    let Shape::Spheres(spheres) = &*scene.objects[0].shape else { panic!() };
+    let (sphere, receivers) = (spheres[0], scene.frame(0).receivers);
+    assert!(receivers.len() >= 2000);
+    for (position, normal) in receivers.position.iter().zip(&receivers.normal) {
+        let towards = sphere.center - *position;
+        assert!(towards.length() > sphere.radius * 1.02);
+        assert!(towards.dot(*normal) > 0.0 && towards.dot(*normal) < sphere.radius, "its horizon cuts the sphere");
+        assert!(sphere.radius / towards.length() > 0.3);
+    }
+}
+
+#[test]
+fn spheres_overlap_and_lie_above_the_ground() {
+    let scene = load("spheres-60");
+    let Shape::Spheres(spheres) = &*scene.objects[1].shape else { panic!() };
+    assert_eq!(spheres.len(), 60);
+    assert!(spheres.iter().all(|sphere| sphere.center.z > sphere.radius));
+    let touching = |i: usize| {
+        spheres
+            .iter()
+            .enumerate()
+            .any(|(j, other)| i != j && spheres[i].center.distance(other.center) < spheres[i].radius + other.radius)
+    };
+    assert!((0..60).filter(|i| touching(*i)).count() > 30);
+}
+
+#[test]
+fn unknown_names_are_told_the_known_ones() {
+    let error = find("bunny-studios").unwrap_err().to_string();
+    assert!(error.contains("bunny-studios") && error.contains("bunny-studio, dino-elephant-courtyard"), "{error}");
+    let error = find("missing/scene.toml").unwrap_err().to_string();
+    assert!(error.starts_with("missing/scene.toml: expected a readable file"), "{error}");
+}

@@ -1,0 +1,115 @@
+//! The furnace: in a uniform environment of radiance 1 an open receiver of albedo 1 sends out 1, a wholly covered one
+//! 0.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use halflight_contract::{Kind, Method, Params, Quantity};
+use halflight_scenes::{Light, Object, Placement, Rgb, Scene, Sky};
+use halflight_tests::checks::Case;
+use halflight_tests::fixtures;
+
+/// Unit vectors all over the sphere, on a Fibonacci spiral, and the axes, where formulas break first.
+fn normals() -> impl Iterator<Item = Vec3> {
+    let spiral = (0..200).map(|i| {
+        let z = 1.0 - (2 * i + 1) as f32 / 200.0;
+        let (sin, cos) = (2.399_963_2 * i as f32).sin_cos();
+        Vec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z).normalize()
+    });
+    spiral.chain(AXES)
+}
+
+fn furnace(objects: Vec<Object>, points: Vec<(Vec3, Vec3)>) -> Scene {
+    let light = Light::Sky(Sky::Uniform(Rgb::ONE));
+    fixtures::scene("furnace", objects, vec![light], Placement::Points(Arc::new(points)))
+}
+
+/// The method's parameters at every order that it has; its defaults if order is none of them.
+fn orders(method: &dyn Method) -> Vec<(i64, Params)> {
+    let specs = method.info().params;
+    let at = |order: i64| Params::resolve(specs, [("order", order.to_string().as_str())]).expect("it is in range");
+    match specs.iter().find(|spec| spec.name == "order").map(|spec| spec.kind) {
+        Some(Kind::Int { min, max, .. }) => (min..=max).map(|order| (order, at(order))).collect(),
+        _ => vec![(0, Params::defaults(specs))],
+    }
+}
+
+/// Direct light at every receiver.
+fn radiance(method: &dyn Method, scene: &Scene, params: Params) -> Vec<f32> {
+    let case = Case::new(method, scene, Quantity::Direct).tuned(params);
+    assert!(case.is_supported(), "{}", method.info().id);
+    case.fresh(&case.frames[0]).expect("it runs")
+}
+
+#[test]
+fn an_open_receiver_gives_one_at_every_order() {
+    let scene = furnace(Vec::new(), normals().map(|normal| (Vec3::ZERO, normal)).collect());
+    for method in halflight_registry::methods() {
+        for (order, params) in orders(method) {
+            let results = radiance(method, &scene, params);
+            let worst = results.iter().map(|value| (value - 1.0).abs()).fold(0.0, f32::max);
+            assert!(worst < 1e-5, "{} at order {order}: {worst:e}", method.info().id);
+        }
+    }
+}
+
+/// One receiver inside a sphere far larger than its distance to the centre, which is straight above: the self-shadow
+/// rules shrink the sphere until it touches the tangent plane, and it covers the hemisphere.
+fn covered(normal: Vec3) -> Scene {
+    let around = fixtures::sphere(10.0 * normal, 1e4);
+    furnace(vec![fixtures::spheres("around", vec![around])], vec![(Vec3::ZERO, normal)])
+}
+
+/// The greatest radiance under a covered hemisphere, over these normals.
+fn leak(method: &dyn Method, params: &Params, normals: &[Vec3]) -> f32 {
+    let results = normals.iter().flat_map(|normal| radiance(method, &covered(*normal), params.clone()));
+    results.map(f32::abs).fold(0.0, f32::max)
+}
+
+const AXES: [Vec3; 6] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
+
+/// What of the light passes a covered hemisphere when its circle's sine, 1, is off by two roundings: the cosine is then
+/// `√(2·2⁻²³)`, and half of it passes at order 2, where the truncated clamped cosine does not vanish at the horizon.
+const SINE_ROUNDING: f32 = 2.5e-4;
+
+/// The most that may pass a covered hemisphere by a method at an order from 2 on.
+///
+/// For products it is nothing but rounding: the clamped cosine and the hemisphere each lack the bands that the other
+/// has, so that their truncated product integrates to 0 exactly (at order 1 it is 1/2).
+///
+/// The log of a covered hemisphere is clipped, so SHEXP does not give it back. At order 4 the eigen-exponential errs by
+/// 0.0182 of the visibility's norm, and `|(H, Δg)| ≤ ‖H‖·‖Δg‖`, with the norms of the truncated clamped cosine over π
+/// and of the truncated hemisphere. The other exponentials approximate this one; no figure is published for them, nor
+/// for other orders, of which the odd ones come out worst (order 3: 0.08).
+fn most_leaked(id: &str, order: i64) -> f32 {
+    const REPRODUCTION: f32 = 0.0182;
+    const NORM_OF_COSINE: f32 = 0.4589;
+    const NORM_OF_HEMISPHERE: f32 = 2.4169;
+    match (id, order) {
+        ("shexp/eigen", 4) => REPRODUCTION * NORM_OF_COSINE * NORM_OF_HEMISPHERE + SINE_ROUNDING,
+        ("shexp/ps-star" | "shexp/hyb" | "shexp/eigen", _) => 0.09,
+        _ => SINE_ROUNDING,
+    }
+}
+
+#[test]
+fn a_covered_hemisphere_gives_zero() {
+    let normals: Vec<Vec3> = normals().step_by(10).chain(AXES).collect();
+    for method in halflight_registry::methods() {
+        let id = method.info().id;
+        for (order, params) in orders(method).into_iter().filter(|(order, _)| *order != 1) {
+            let (leak, bound) = (leak(method, &params, &normals), most_leaked(id, order));
+            assert!(leak < bound, "{id} at order {order}: {leak:e}, expected less than {bound:e}");
+        }
+    }
+}
+
+/// Along the axes nothing is rounded, and products give 0 to the last digits.
+#[test]
+fn a_hemisphere_covered_along_an_axis_gives_zero_by_products() {
+    let method = halflight_registry::find("sh-product/ordered").expect("it is registered");
+    for (order, params) in orders(method).into_iter().filter(|(order, _)| *order > 1) {
+        let leak = leak(method, &params, &AXES);
+        assert!(leak < 1e-6, "order {order}: {leak:e}");
+    }
+}
