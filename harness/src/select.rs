@@ -54,8 +54,3 @@ impl Selection {
         }
     }
 }
-
-/// Whether a scene is named by the path of its file: shipped names have neither a separator nor an extension.
-pub(crate) fn is_path(scene: &str) -> bool {
-    scene.contains(std::path::is_separator) || scene.ends_with(".toml")
-}

@@ -70,7 +70,7 @@ impl Suite {
         let mut suite = Self::parse(name, &text)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         for scene in suite.entries.iter_mut().flat_map(|entry| &mut entry.scenes) {
-            if crate::select::is_path(scene) {
+            if is_path(scene) {
                 *scene = folder.join(&*scene).display().to_string();
             }
         }
@@ -88,6 +88,11 @@ impl Suite {
         }
         if suite.entries.is_empty() { Err(wrong("expected at least one `[[entry]]`".into())) } else { Ok(suite) }
     }
+}
+
+/// Whether a scene is named by the path of its file: shipped names have neither a separator nor an extension.
+fn is_path(scene: &str) -> bool {
+    scene.contains(std::path::is_separator) || scene.ends_with(".toml")
 }
 
 /// The quantities when nothing is said.

@@ -19,6 +19,7 @@ pub struct Estimate {
     /// Outgoing radiance.
     pub mean: Vec<Rgb>,
     /// Variance of the mean, a channel: what the spread of the batches says, and what one ray among so many weighs.
+    /// Unbiased but for the latter, which overstates it by an eighth at the default quality and by 1% from 1024 samples on.
     pub variance: Vec<Rgb>,
     /// Samples taken, 0 at invalid receivers.
     pub samples: Vec<u32>,

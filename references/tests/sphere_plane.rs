@@ -78,16 +78,21 @@ fn truth_agrees_with_the_closed_form_and_a_bias_of_one_percent_does_not() {
 
 #[test]
 fn default_quality_is_honest_and_meets_its_target() {
-    let (scene, expected, resolved) = setup(SUNK, 52, 0.0);
+    let (scene, expected, _) = setup(SUNK, 52, 0.0);
     let quality = Quality::default();
     let estimate = run("truth", &scene, &quality, 21);
-    let summary = z_test(&estimate, &expected, &resolved);
-    assert!(summary.mean.abs() <= summary.mean_limit(), "{summary:?}");
+    // Of few samples the mean and its error are not independent, and z-scores lean to one side: pooled, both are unbiased.
+    let pooled = |values: &mut dyn Iterator<Item = f32>| values.map(f64::from).sum::<f64>();
+    let difference = pooled(&mut estimate.mean.iter().zip(&expected).map(|(mean, expected)| mean.x - expected.x));
+    let variance = pooled(&mut estimate.variance.iter().map(|variance| variance.x));
+    assert!(difference.abs() <= 3.0 * variance.sqrt(), "{difference} ± {}", variance.sqrt());
+    let squares = pooled(&mut estimate.mean.iter().zip(&expected).map(|(m, e)| (m.x - e.x).powi(2)));
+    // What one ray weighs is added to the variance, which overstates it by an eighth for so few.
+    assert!((0.7..1.05).contains(&(squares / variance)), "true over claimed variance: {}", squares / variance);
     let errors = estimate.standard_error();
     let missed = errors.iter().filter(|e| e.x > 1.5 * quality.standard_error).count();
     assert!(missed * 20 < errors.len(), "{missed} of {}", errors.len());
-    let squares: f32 = estimate.mean.iter().zip(&expected).map(|(m, e)| (m.x - e.x).powi(2)).sum();
-    let rms = (squares / expected.len() as f32).sqrt();
-    assert!(rms <= quality.standard_error, "true error {rms}");
+    let rms = (squares / expected.len() as f64).sqrt();
+    assert!(rms <= f64::from(quality.standard_error), "true error {rms}");
     assert!(estimate.samples.iter().any(|s| *s < 256) && estimate.samples.iter().any(|s| *s >= 256), "adapts");
 }

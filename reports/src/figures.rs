@@ -1,9 +1,8 @@
 //! A scene's pictures: rows of picture, reference and error, and the viewer.
 
+use crate::chip::chip;
 use crate::format::{escape, number, time};
-use crate::page::chip;
 use crate::raster::{DIVERGING, displayed, error_map, error_scale};
-use crate::summary::shade_time;
 use crate::{Report, ReportError, Row, Scene};
 use halflight_metrics::Exposure;
 use halflight_results::{Layout, Picture};
@@ -123,7 +122,7 @@ impl Gallery<'_> {
             parts.extend(measure("bias").map(|b| format!("bias {}", number(b))));
             parts.extend(measure("flip").map(|f| format!("FLIP {}", number(f))));
         }
-        parts.extend(shade_time(row).map(|t| format!("shade {}", time(t.median))));
+        parts.extend(row.shade_time().map(|t| format!("shade {}", time(t.median))));
         parts.extend(row.run.approximate.as_ref().map(|why| format!("approximate here: {}", escape(why))));
         format!("<p class=\"caption\">{}</p>", parts.join(" · "))
     }

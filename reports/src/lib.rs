@@ -12,6 +12,7 @@
 //! # }
 //! ```
 
+mod chip;
 mod collect;
 mod figures;
 mod format;

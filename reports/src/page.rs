@@ -1,18 +1,15 @@
 //! The page: header, summary, a section a scene, what was not run, and how to read it all.
 
+use crate::chip::{chip, colour};
 use crate::format::{escape, number};
 use crate::plot::{Point, error_against_time};
-use crate::summary::{matrix, shade_time, standard_error};
+use crate::summary::matrix;
 use crate::{Absent, Report, ReportError, Scene, figures, tables};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 const GUIDE: &str = include_str!("guide.html");
-
-/// Colours that stay apart for colour-blind eyes (Okabe and Ito 2008) and stand on light and dark paper.
-const PALETTE: [[u8; 3]; 7] =
-    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [196, 140, 0], [86, 160, 213], [128, 128, 128]];
 
 /// The whole page.
 pub(crate) fn html(report: &Report) -> Result<String, ReportError> {
@@ -40,23 +37,6 @@ pub(crate) fn html(report: &Report) -> Result<String, ReportError> {
         &format!("</main><script>{SCRIPT}</script></body></html>\n"),
     ]
     .concat())
-}
-
-/// The number of a setting in its method's colour.
-pub(crate) fn chip(report: &Report, label: usize) -> String {
-    let [r, g, b] = colour(report, label);
-    format!("<i class=\"chip\" style=\"background:rgb({r},{g},{b})\">{}</i>", label + 1)
-}
-
-fn colour(report: &Report, label: usize) -> [u8; 3] {
-    let mut methods: Vec<&String> = Vec::new();
-    for method in &report.methods {
-        if !methods.contains(&method) {
-            methods.push(method);
-        }
-    }
-    let place = methods.iter().position(|m| **m == report.methods[label]).unwrap_or(0);
-    PALETTE[place % PALETTE.len()]
 }
 
 fn header(report: &Report) -> String {
@@ -117,13 +97,13 @@ fn plot(report: &Report, scene: &Scene) -> Result<String, ReportError> {
     let mut key = String::new();
     let mut points = Vec::new();
     for row in &scene.rows {
-        let (Some(score), Some(time)) = (row.score(reference), shade_time(row)) else { continue };
+        let (Some(score), Some(time)) = (row.score(reference), row.shade_time()) else { continue };
         let Some(&error) = score.measures.get("rmse") else { continue };
         let colour = colour(report, row.label);
         points.push(Point { number: row.label + 1, colour, time, error, resolved: score.resolved });
         let _ = write!(key, "<li>{}{}</li>", chip(report, row.label), escape(&report.labels[row.label]));
     }
-    let noise = standard_error(scene, reference);
+    let noise = scene.standard_error(reference);
     let Some(svg) = error_against_time(&points, noise, reference)? else { return Ok(String::new()) };
     Ok(format!(
         "<figure class=\"plot\"><figcaption><b>Error against time.</b> Lower left is better. Hollow: not \

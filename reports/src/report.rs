@@ -1,5 +1,6 @@
 //! What a report holds: plain data, assembled by [`crate::build`].
 
+use halflight_metrics::{Interval, median_interval};
 use halflight_results::{Environment, Picture, Run, Score};
 use std::path::{Path, PathBuf};
 
@@ -117,6 +118,12 @@ impl Scene {
     pub fn main_reference(&self) -> Option<&str> {
         self.references.first().map(|r| r.id.as_str())
     }
+
+    /// The standard error of a reference, the largest stated by its scores.
+    pub(crate) fn standard_error(&self, reference: &str) -> f64 {
+        let stated = self.rows.iter().filter_map(|row| row.measure(reference, "reference_standard_error"));
+        stated.fold(0.0, f64::max)
+    }
 }
 
 impl Row {
@@ -128,5 +135,10 @@ impl Row {
     /// An error measure against a reference.
     pub fn measure(&self, reference: &str, name: &str) -> Option<f64> {
         self.score(reference)?.measures.get(name).copied()
+    }
+
+    /// The median shade time with its interval, in nanoseconds.
+    pub(crate) fn shade_time(&self) -> Option<Interval> {
+        median_interval(&self.run.phases.get("shade")?.nanoseconds)
     }
 }

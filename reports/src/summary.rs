@@ -1,9 +1,9 @@
 //! The summary matrix: who wins where, and who only seems to.
 
+use crate::chip::chip;
 use crate::format::{escape, number, time};
-use crate::page::chip;
 use crate::{Absent, Report, Row, Scene};
-use halflight_metrics::{Interval, median_interval};
+use halflight_metrics::Interval;
 use std::fmt::Write;
 
 /// What to say of one value in a column.
@@ -54,17 +54,6 @@ pub(crate) fn mark_times(times: &[Option<Interval>]) -> Vec<Mark> {
     times.iter().map(|t| if t.as_ref().is_some_and(near) { best } else { Mark::Plain }).collect()
 }
 
-/// A row's median shade time.
-pub(crate) fn shade_time(row: &Row) -> Option<Interval> {
-    median_interval(&row.run.phases.get("shade")?.nanoseconds)
-}
-
-/// The standard error of a scene's main reference, the largest stated by its scores.
-pub(crate) fn standard_error(scene: &Scene, reference: &str) -> f64 {
-    let stated = scene.rows.iter().filter_map(|row| row.measure(reference, "reference_standard_error"));
-    stated.fold(0.0, f64::max)
-}
-
 /// The matrix as a table: a row a setting, a column a scene.
 pub(crate) fn matrix(report: &Report) -> String {
     let names = scene_names(report);
@@ -86,7 +75,7 @@ fn heading(report: &Report, name: &str) -> String {
     };
     let scene = &report.scenes[section];
     let against = scene.main_reference().map_or("no reference".into(), |reference| {
-        format!("against {}, ±{}", escape(reference), number(standard_error(scene, reference)))
+        format!("against {}, ±{}", escape(reference), number(scene.standard_error(reference)))
     });
     format!("<th><a href=\"#scene-{section}\">{}</a><small>{against}</small></th>", escape(name))
 }
@@ -109,8 +98,8 @@ fn column(report: &Report, name: &str) -> Vec<String> {
     let rows: Vec<Option<&Row>> = (0..report.labels.len()).map(row).collect();
     let reference = scene.and_then(Scene::main_reference).unwrap_or_default();
     let errors: Vec<_> = rows.iter().map(|r| error(r.as_ref()?, reference)).collect();
-    let times: Vec<_> = rows.iter().map(|r| shade_time(r.as_ref()?)).collect();
-    let noise = scene.map_or(0.0, |s| standard_error(s, reference));
+    let times: Vec<_> = rows.iter().map(|r| r.as_ref()?.shade_time()).collect();
+    let noise = scene.map_or(0.0, |s| s.standard_error(reference));
     let marks = mark_errors(&errors, noise).into_iter().zip(mark_times(&times));
     marks
         .enumerate()

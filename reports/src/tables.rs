@@ -1,8 +1,8 @@
 //! A scene's figures in full: errors, times, derived data, counters, memory.
 
+use crate::chip::chip;
 use crate::format::{bytes, count, escape, number, time};
 use crate::labels::value_text;
-use crate::page::chip;
 use crate::{Report, Row, Scene};
 use halflight_metrics::median_interval;
 use halflight_results::{Phase, Score, Timing};
@@ -52,7 +52,7 @@ fn errors(report: &Report, scene: &Scene) -> String {
     table.push_str("<th title=\"receivers valid in both pictures\">receivers</th></tr></thead>");
     let columns = MEASURES.len() + 3;
     for reference in &scene.references {
-        let noise = crate::summary::standard_error(scene, &reference.id);
+        let noise = scene.standard_error(&reference.id);
         let _ = write!(
             table,
             "<tbody><tr class=\"group\"><th colspan=\"{columns}\">against {} · its own standard error {}</th></tr>",
@@ -95,7 +95,7 @@ fn times(report: &Report, scene: &Scene) -> String {
         for phase in Phase::ALL {
             let _ = write!(table, "<td>{}</td>", row.run.phases.get(phase.name()).map_or("–".into(), duration));
         }
-        let shade = crate::summary::shade_time(row);
+        let shade = row.shade_time();
         let each = shade.filter(|_| row.run.receivers > 0).map(|t| time(t.median / row.run.receivers as f64));
         let derived: f64 = row.run.derived.values().sum();
         let derived = if row.run.derived.is_empty() { "–".into() } else { time(derived) };

@@ -292,11 +292,12 @@ mod tests {
         assert!((ring - 1.0).abs() < 0.02, "{ring}");
     }
 
+    /// Open at both ends of the x axis: the lines through the two openings see nothing, and are outvoted.
     #[test]
     fn cracks_and_flipped_triangles_do_not_open_the_interior() {
         let mut cracked = icosphere(3);
         let whole = volume(&cracked);
-        cracked.triangles.retain(|t| cracked.positions[t[0] as usize].y < 0.97);
+        cracked.triangles.retain(|t| cracked.positions[t[0] as usize].x.abs() < 0.97);
         cracked.triangles.iter_mut().step_by(7).for_each(|t| t.swap(1, 2));
         let cracked = f64::from(voxels(&cracked).volume());
         assert!((cracked / whole - 1.0).abs() < 0.02, "{}", cracked / whole);

@@ -7,7 +7,7 @@
 //! | OL | [`ExpWorkspace::optimal_linear`] | `a·1 + b·f`, fitted to circles |
 //! | HYB | [`ExpWorkspace::hybrid`] | OL after scaling, then squared |
 //! | eigen | [`ExpWorkspace::eigen`] | none: the whole product series |
-//! | exact | [`exact`] | none but the final projection: the oracle of what the variants stand for |
+//! | exact | [`exact()`] | none but the final projection: the oracle of what the variants stand for |
 //!
 //! # Finite by construction
 //!
