@@ -4,7 +4,7 @@
 //! light by its spherical harmonics, [`Reference::SphereProxies`] the meshes by their sphere sets. All give *outgoing
 //! radiance* `albedo/π · ∫ L(ω) V(ω) max(0, n·ω) dω` with the shading normal `n`, as methods do.
 //!
-//! [`estimate`] makes an [`Estimate`], [`obtain`] takes it from a [`ReferenceStore`] where it was made before.
+//! [`estimate()`] makes an [`Estimate`], [`obtain`] takes it from a [`ReferenceStore`] where it was made before.
 //! [`statistics`] tests estimates against closed forms ([`analytic`]), each other, or methods that claim to be exact.
 //!
 //! How: randomised quasi-Monte Carlo. Each receiver's samples are independently scrambled replicates ("batches") of Sobol

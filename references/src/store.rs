@@ -94,7 +94,7 @@ pub fn key(reference: &Reference, scene: &Scene, frame: &Frame, quality: &Qualit
 /// The estimate of a reference from the store, or made and kept there; with its key, and whether it was made.
 ///
 /// # Errors
-/// As [`estimate`], or the store cannot be written.
+/// As [`estimate()`], or the store cannot be written.
 #[allow(clippy::too_many_arguments, reason = "what a reference depends on, and where it goes")]
 pub fn obtain(
     store: &ReferenceStore,
