@@ -7,7 +7,8 @@ use halflight_scenes::{Frame, Rgb, Scene};
 use rayon::prelude::*;
 
 use crate::emission::{Emission, Lights};
-use crate::integrand::{Control, Integrand, Moments, Plan, Receiver, Scratch};
+use crate::integrand::{Control, Integrand, Moments, Plan, Scratch};
+use crate::receiver::Receiver;
 use crate::sampling::mix;
 use crate::unoccluded::Unoccluded;
 use crate::visibility::Visibility;

@@ -1,33 +1,13 @@
 //! The integral over directions at one receiver, and its randomised quasi-Monte Carlo estimate.
 
 use glam::{DVec3, Vec3};
-use halflight_scenes::{Frame, Rgb};
+use halflight_scenes::Rgb;
 
 use crate::emission::Emission;
+use crate::receiver::Receiver;
 use crate::sampling::{CosineLobe, Sobol, mix};
 use crate::unoccluded::Unoccluded;
 use crate::visibility::{View, Visibility};
-
-/// Where light is asked.
-pub(crate) struct Receiver {
-    pub(crate) position: Vec3,
-    pub(crate) geometric_normal: Vec3,
-    pub(crate) normal: Vec3,
-    /// The object it lies on, if that is known.
-    pub(crate) object: Option<u32>,
-}
-
-impl Receiver {
-    pub(crate) fn of(frame: &Frame, index: usize) -> Self {
-        let all = &frame.receivers;
-        Receiver {
-            position: all.position[index],
-            geometric_normal: all.geometric_normal[index],
-            normal: all.normal[index],
-            object: all.place[index].object,
-        }
-    }
-}
 
 /// How many samples to take: `batches` independent replicates of `per_batch` (a power of two) each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -20,6 +20,7 @@ mod integrand;
 mod kind;
 mod pixels;
 mod quality;
+mod receiver;
 mod sampling;
 pub mod statistics;
 mod store;

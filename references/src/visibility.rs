@@ -5,7 +5,7 @@ use halflight_blockers::{SelfShadow, seen};
 use halflight_scenes::{Frame, PosedObject, Scene, Shape, Sphere, Which};
 use halflight_trace::World;
 
-use crate::integrand::Receiver;
+use crate::receiver::Receiver;
 
 /// The blockers of one frame.
 pub(crate) enum Visibility {
