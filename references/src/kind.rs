@@ -52,7 +52,7 @@ const RULES: [(&str, SelfShadow); 3] =
 
 impl Reference {
     /// The reference that an id names: `truth`, `sh-light:4`, `sphere-proxies:64`, `sphere-proxies:64:paper`. Left out, the
-    /// order is 4, the count 64 and the rule `continuous`, as for methods.
+    /// order is 4, the count 32 and the rule `continuous`, as for methods.
     ///
     /// # Errors
     /// The id names no reference, an order outside `1..=8` or a count outside `1..=1024`.
@@ -66,7 +66,7 @@ impl Reference {
             TRUTH => Reference::Truth,
             SH_LIGHT => Reference::ShLight { order: number(words.next(), 4, halflight_sh::MAX_ORDER)? },
             SPHERE_PROXIES => Reference::SphereProxies {
-                count: number(words.next(), 64, 1024)?,
+                count: number(words.next(), 32, 1024)?,
                 rule: match words.next() {
                     None => RULES[0].1,
                     Some(word) => RULES.iter().find(|(name, _)| *name == word)?.1,

@@ -31,7 +31,7 @@ fn plan_says_what_would_be_done_and_why_not() {
     let some = "--scene tiny.toml --method shexp/hyb --quantity direct --quantity total --out out";
     let told = bench.well(&format!("plan {some}"));
     assert!(
-        told.contains("tiny · shexp/hyb order=4 · cpu · direct: run, against truth, sh-light:4, sphere-proxies:64"),
+        told.contains("tiny · shexp/hyb order=4 · cpu · direct: run, against truth, sh-light:4, sphere-proxies:32"),
         "{told}"
     );
     assert!(told.contains("total: skip: computes direct light only"), "{told}");

@@ -11,6 +11,9 @@ use crate::real::Real;
 /// (`g_0 = +∞` the upper bound), so the result is always finite. Excess within a few roundings of `T` is left alone: an
 /// open sky passes unchanged, and the guard applied twice is the guard applied once.
 ///
+/// The set is a ball (centre `√π·e_0`, radius `√π`), yet neither its nearest point nor a scaling of all of `g` does as
+/// well: for the bunny in 64 spheres at order 4, RMSE 0.034 and 0.038 against 0.021 this way and 0.037 unguarded.
+///
 /// # Panics
 /// If the order is outside 1 to [`MAX_ORDER`](crate::MAX_ORDER) or `g` does not hold `n²` coefficients.
 pub fn project_binary_bound<T: Real>(order: usize, g: &mut [T]) -> bool {
