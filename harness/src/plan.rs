@@ -1,4 +1,4 @@
-//! The plan: every cell, with what is to be done about it and why. Nothing is computed or written here, so all that is
+//! The plan: every cell, with what is to be done about it and why. Scenes are loaded and their receivers found, nothing else is computed or written here, so all that is
 //! wrong with a request is found before any work.
 
 use crate::settings::{Setting, grid};
@@ -239,7 +239,7 @@ pub(crate) fn single(method: &'static dyn Method, set: &[Setting]) -> Result<Par
 }
 
 fn has_picture(run: &Run, store: &Store) -> bool {
-    run.image.as_ref().is_none_or(|image| store.image_path(image).exists())
+    run.image.as_ref().is_none_or(|image| store.has_image(image))
 }
 
 fn merge(into: &mut Vec<Reference>, more: Vec<Reference>) {

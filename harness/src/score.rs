@@ -26,7 +26,7 @@ pub(crate) struct Judge {
 /// Whether a cell has its score against a reference, with both pictures at hand.
 pub(crate) fn is_scored(cell: &Key, reference: &Key, store: &Store) -> bool {
     let score = store.score(cell, reference, VERSION);
-    score.is_some_and(|score| store.image_path(&score.reference_image).exists())
+    score.is_some_and(|score| store.has_image(&score.reference_image))
 }
 
 impl Judgement {

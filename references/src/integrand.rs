@@ -213,7 +213,7 @@ mod tests {
                 emission: Emission::Lights(Lights::new(&lights)),
                 visibility: Visibility::Spheres {
                     spheres: Vec::<Sphere>::new(),
-                    rule: halflight_blockers::SelfShadow::Off,
+                    rule: halflight_proxies::SelfShadow::Off,
                 },
                 unoccluded: Unoccluded::of(&lights),
             };

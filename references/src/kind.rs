@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use halflight_blockers::SelfShadow;
+use halflight_proxies::{DEFAULT_COUNT, MAX_COUNT, SelfShadow};
 
 /// What light is held against, for direct light at receivers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,10 +46,6 @@ const TRUTH: &str = "truth";
 const SH_LIGHT: &str = "sh-light";
 const SPHERE_PROXIES: &str = "sphere-proxies";
 
-/// Rules as methods' parameters name them, the default first.
-const RULES: [(&str, SelfShadow); 3] =
-    [("continuous", SelfShadow::Continuous), ("paper", SelfShadow::Paper), ("off", SelfShadow::Off)];
-
 impl Reference {
     /// The reference that an id names: `truth`, `sh-light:4`, `sphere-proxies:64`, `sphere-proxies:64:paper`. Left out, the
     /// order is 4, the count 32 and the rule `continuous`, as for methods.
@@ -66,10 +62,10 @@ impl Reference {
             TRUTH => Reference::Truth,
             SH_LIGHT => Reference::ShLight { order: number(words.next(), 4, halflight_sh::MAX_ORDER)? },
             SPHERE_PROXIES => Reference::SphereProxies {
-                count: number(words.next(), 32, 1024)?,
+                count: number(words.next(), DEFAULT_COUNT, MAX_COUNT)?,
                 rule: match words.next() {
-                    None => RULES[0].1,
-                    Some(word) => RULES.iter().find(|(name, _)| *name == word)?.1,
+                    None => SelfShadow::default(),
+                    Some(word) => SelfShadow::named(word)?,
                 },
             },
             _ => return None,
@@ -82,10 +78,10 @@ impl Reference {
         match self {
             Reference::Truth => TRUTH.to_owned(),
             Reference::ShLight { order } => format!("{SH_LIGHT}:{order}"),
-            Reference::SphereProxies { count, rule } => match RULES.iter().position(|(_, known)| known == rule) {
-                None | Some(0) => format!("{SPHERE_PROXIES}:{count}"),
-                Some(i) => format!("{SPHERE_PROXIES}:{count}:{}", RULES[i].0),
-            },
+            Reference::SphereProxies { count, rule } if *rule == SelfShadow::default() => {
+                format!("{SPHERE_PROXIES}:{count}")
+            }
+            Reference::SphereProxies { count, rule } => format!("{SPHERE_PROXIES}:{count}:{}", rule.name()),
         }
     }
 
@@ -105,7 +101,7 @@ impl Reference {
             Kind { id: TRUTH, about: "the ray-traced scene itself: real meshes, the full light" },
             Kind { id: "sh-light:ORDER", about: "truth's geometry under the light in spherical harmonics of an order" },
             Kind {
-                id: "sphere-proxies:COUNT",
+                id: "sphere-proxies:COUNT[:RULE]",
                 about: "truth's light; each mesh replaced by its bounding spheres, under the self-shadow rule",
             },
         ]

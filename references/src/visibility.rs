@@ -1,7 +1,7 @@
 //! What blocks light on its way to receivers.
 
 use glam::Vec3;
-use halflight_blockers::{SelfShadow, seen};
+use halflight_proxies::{SelfShadow, seen};
 use halflight_scenes::{Frame, PosedObject, Scene, Shape, Sphere, Which};
 use halflight_trace::World;
 
@@ -13,7 +13,7 @@ pub(crate) enum Visibility {
     Traced {
         /// Objects that cast shadows, posed.
         world: World,
-        /// For each object, the farthest from the origin that it gets.
+        /// For each object, the farthest from the origin that it gets; 0 for one that casts no shadow.
         reaches: Vec<f32>,
         /// The farthest that any object gets that casts shadows.
         reach: f32,
@@ -34,11 +34,12 @@ const OFFSET_STEPS: f32 = 16.0;
 impl Visibility {
     /// The real geometry of a frame.
     pub(crate) fn traced(scene: &Scene, frame: &Frame) -> Self {
-        let reach_of =
-            |posed: &PosedObject| reach(&scene.objects[posed.object].shape) + posed.pose.translation.length();
+        let reach_of = |posed: &PosedObject| match &scene.objects[posed.object] {
+            object if object.casts => reach(&object.shape) + posed.pose.translation.length(),
+            _ => 0.0,
+        };
         let reaches: Vec<f32> = frame.objects.iter().map(reach_of).collect();
-        let casters = scene.objects.iter().zip(&reaches).filter(|(object, _)| object.casts);
-        let reach = casters.map(|(_, reach)| *reach).fold(0.0, f32::max);
+        let reach = reaches.iter().copied().fold(0.0, f32::max);
         Visibility::Traced { world: scene.world(frame, Which::Casters), reaches, reach }
     }
 

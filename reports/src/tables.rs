@@ -178,7 +178,11 @@ fn memory(report: &Report, scene: &Scene) -> String {
     };
     let names = names.into_iter().filter(|n| *n != TOTAL).chain([TOTAL]);
     let table = by_setting(report, scene, "purpose", names, cell);
-    details("Memory", "What each method holds after preparing, counted by itself.", &table)
+    details(
+        "Memory",
+        "What each method holds after shading, counted by itself; tables that all methods share are not in it.",
+        &table,
+    )
 }
 
 /// A table with a row a name and a column a setting.

@@ -69,7 +69,7 @@ impl Checker<'_> {
     /// Radiance: finite and not negative.
     pub(crate) fn radiance(&self, field: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
         let holds = value.iter().all(|v| *v >= 0.0 && *v <= FAR);
-        self.ensure(holds, field, "three finite numbers not below 0", value)?;
+        self.ensure(holds, field, "three numbers from 0 to 1e9", value)?;
         Ok(value.into())
     }
 

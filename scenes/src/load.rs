@@ -12,9 +12,11 @@ use crate::content::Content;
 use crate::format::{CameraFile, FramesFile, SceneFile};
 use crate::{Camera, Placement, Scene, SceneError};
 
-/// Most pixels a picture, texels a row, frames or spheres a scene may have: far beyond use, well within memory.
+/// Most pixels along a side of a picture or grid, frames, and receivers over all frames: a plan holds every frame at once, about
+/// 80 bytes a receiver.
 const MOST_PIXELS: usize = 1 << 14;
 const MOST_FRAMES: usize = 1 << 20;
+const MOST_RECEIVERS: usize = 1 << 25;
 
 impl Scene {
     /// Loads and checks a scene file. Asset paths in it are relative to its folder.
@@ -55,6 +57,9 @@ impl Scene {
             fps,
             notices,
         };
+        let receivers = scene.facts().receivers.saturating_mul(scene.frame_count);
+        let bound = format!("at most {MOST_RECEIVERS} over all frames");
+        check.ensure(receivers <= MOST_RECEIVERS, "receivers", &bound, receivers)?;
         if matches!(scene.placement, Placement::Camera) && !scene.frame(0).receivers.valid.contains(&true) {
             return Err(check.invalid("camera", "a view of at least one object in frame 0", "none"));
         }

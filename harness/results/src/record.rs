@@ -100,7 +100,7 @@ pub struct Run {
     pub derived: BTreeMap<String, f64>,
     /// Work done, skipped and guarded, by name.
     pub counters: BTreeMap<String, u64>,
-    /// Memory held after `prepare`, by purpose.
+    /// Memory held after shading, by purpose, as the method counts it.
     pub footprint: Vec<Storage>,
     /// Where it ran.
     pub environment: Environment,

@@ -4,7 +4,8 @@
 //! checkout lies, on file times or on the order in which a folder is listed. It covers `Cargo.toml`, `build.rs`,
 //! everything under `src`, every `*.wgsl` file of the crate, and files that sources take in by `include!`, `include_str!`
 //! or `include_bytes!` with a literal path. It follows path and workspace dependencies, build dependencies among them
-//! since they may generate code, but neither dev-dependencies nor crates of a registry.
+//! since they may generate code, but not dev-dependencies. Crates of a registry come in through
+//! `Cargo.lock`: another version of any of them is another revision.
 //!
 //! In a build script:
 //!
@@ -64,7 +65,7 @@ impl std::error::Error for RevisionError {
 /// # Errors
 /// A source cannot be read, a `Cargo.toml` cannot be understood, or a dependency on the workspace is not in it.
 pub fn of_crate(manifest_dir: &Path) -> Result<String, RevisionError> {
-    hash(&workspace::closure(manifest_dir)?)
+    hash(&workspace::closure(manifest_dir)?, &lock(&workspace::root(manifest_dir)?)?)
 }
 
 /// Gives the crate that is being built the environment variable `variable` with the revision of the crate in
@@ -74,24 +75,28 @@ pub fn of_crate(manifest_dir: &Path) -> Result<String, RevisionError> {
 /// As [`of_crate`].
 pub fn emit(variable: &str, manifest_dir: &Path) -> Result<(), RevisionError> {
     let crates = workspace::closure(manifest_dir)?;
-    println!("cargo:rustc-env={variable}={}", hash(&crates)?);
+    let root = workspace::root(manifest_dir)?;
+    println!("cargo:rustc-env={variable}={}", hash(&crates, &lock(&root)?)?);
     for package in &crates {
         for path in sources::watched(&package.dir)? {
             println!("cargo:rerun-if-changed={}", path.display());
         }
     }
-    // The dependencies' paths are declared there.
-    println!("cargo:rerun-if-changed={}", workspace::root(manifest_dir)?.join("Cargo.toml").display());
+    // The dependencies' paths and versions are declared there.
+    for file in ["Cargo.toml", "Cargo.lock"] {
+        println!("cargo:rerun-if-changed={}", root.join(file).display());
+    }
     Ok(())
 }
 
 /// Every name and content goes in with its length before it, so that no two sets of files can run together to the same bytes.
-fn hash(crates: &[workspace::Package]) -> Result<String, RevisionError> {
+fn hash(crates: &[workspace::Package], lock: &[u8]) -> Result<String, RevisionError> {
     let mut sha = Sha256::new();
     let mut feed = |bytes: &[u8]| {
         sha.update((bytes.len() as u64).to_le_bytes());
         sha.update(bytes);
     };
+    feed(lock);
     for package in crates {
         feed(package.name.as_bytes());
         for source in sources::of(&package.dir)? {
@@ -105,6 +110,12 @@ fn hash(crates: &[workspace::Package]) -> Result<String, RevisionError> {
         let _ = write!(hex, "{byte:02x}");
         hex
     }))
+}
+
+/// The versions of all crates that do not lie in the workspace; empty where none are locked.
+fn lock(root: &Path) -> Result<Vec<u8>, RevisionError> {
+    let file = root.join("Cargo.lock");
+    if file.is_file() { read(&file) } else { Ok(Vec::new()) }
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, RevisionError> {

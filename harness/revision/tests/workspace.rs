@@ -58,10 +58,15 @@ fn every_kind_of_source_counts_and_nothing_else() {
     for file in ["right/build.rs", "right/kernels/a.wgsl", "right/src/table.bin"] {
         assert_eq!(changed(|r| write(r, file, "1")), ["right"], "{file}");
     }
-    for file in ["right/tests/a.rs", "right/benches/b.rs", "right/README.md", "right/target/debug/x.wgsl", "Cargo.lock"]
-    {
+    for file in ["right/tests/a.rs", "right/benches/b.rs", "right/README.md", "right/target/debug/x.wgsl"] {
         assert_eq!(changed(|r| write(r, file, "1")), [""; 0], "{file}");
     }
+}
+
+#[test]
+fn another_version_of_any_library_reaches_every_crate() {
+    let lock = |r: &Path| write(r, "Cargo.lock", "version = 4");
+    assert_eq!(changed(lock), ["top", "left", "right", "ground", "inner"]);
 }
 
 #[test]

@@ -18,6 +18,9 @@ use crate::{Circle, Gather, Tally, params};
 /// Receivers that one task handles.
 const CHUNK: usize = 256;
 
+/// Above this, light times visibility could overflow: the guard then acts even where it is switched off.
+const OVERFLOW: f32 = 1e30;
+
 /// How the circles at a receiver become visibility. A value is a method's setting; its `State` one task's scratch.
 pub trait Accumulator: Send + Sync + Sized {
     /// Scratch, reused from receiver to receiver.
@@ -236,7 +239,7 @@ impl<'a, A: Accumulator> Shading<'a, A> {
         let spheres = &self.method.spheres.spheres;
         self.method.gather.circles(position, normal, spheres, tally, |circle| accumulator.block(state, circle));
         accumulator.finish(state, visibility, work);
-        if self.guard {
+        if self.guard || visibility.iter().any(|v| v.is_nan() || v.abs() > OVERFLOW) {
             work.guarded += u64::from(project_binary_bound(self.method.order, visibility));
         }
         if let Some(window) = &self.visibility_window {

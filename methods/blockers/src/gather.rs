@@ -1,9 +1,8 @@
 //! Gathering the circles of all blockers that matter at a receiver.
 
 use glam::Vec3;
+use halflight_proxies::{Circle, SelfShadow, seen};
 use halflight_scenes::Sphere;
-
-use crate::{Circle, SelfShadow, seen};
 
 /// Which blockers count.
 #[derive(Clone, Copy, Debug)]

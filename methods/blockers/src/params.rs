@@ -1,8 +1,9 @@
 //! Parameters that all sphere-blocker methods share.
 
 use halflight_contract::{Kind, ParamSpec, Params, Phase};
+use halflight_proxies::{DEFAULT_COUNT, MAX_COUNT, SelfShadow};
 
-use crate::{Gather, SelfShadow};
+use crate::Gather;
 
 /// SH order of light, visibility and shading.
 pub const ORDER: ParamSpec = ParamSpec {
@@ -12,11 +13,10 @@ pub const ORDER: ParamSpec = ParamSpec {
     help: "SH order n of light and visibility: bands 0..n−1, n² coefficients",
 };
 
-/// Spheres an object. More bound the object more closely but overlap more, and overlap drives truncated products out of
-/// their domain: at order 4 the error against the light in SH grows again above 32 on the shipped scenes.
+/// Spheres an object.
 pub const SPHERES: ParamSpec = ParamSpec {
     name: "spheres",
-    kind: Kind::Int { min: 1, max: 1024, default: 32 },
+    kind: Kind::Int { min: 1, max: MAX_COUNT as i64, default: DEFAULT_COUNT as i64 },
     phase: Phase::Prepare,
     help: "bounding spheres for each mesh that casts shadows (exact spheres stay as they are)",
 };
@@ -24,7 +24,7 @@ pub const SPHERES: ParamSpec = ParamSpec {
 /// Self-shadow rule.
 pub const SELF_SHADOW: ParamSpec = ParamSpec {
     name: "self-shadow",
-    kind: Kind::Choice(&["continuous", "paper", "off"]),
+    kind: Kind::Choice(SelfShadow::NAMES),
     phase: Phase::Evaluate,
     help: "how spheres near the receiver's tangent plane are replaced",
 };
@@ -63,10 +63,23 @@ pub const WINDOW_VISIBILITY: ParamSpec = ParamSpec {
 
 /// The gathering rules that a method's parameters ask for.
 pub fn gather(params: &Params) -> Gather {
-    let self_shadow = match params.choice(SELF_SHADOW.name) {
-        "paper" => SelfShadow::Paper,
-        "off" => SelfShadow::Off,
-        _ => SelfShadow::Continuous,
-    };
+    let self_shadow = SelfShadow::named(params.choice(SELF_SHADOW.name)).expect("declared by the rules' names");
     Gather { self_shadow, min_sin_angle: params.float(MIN_ANGLE.name).to_radians().sin() as f32 }
+}
+
+/// The parameters of a sphere-blocker method: the order, its own, then all others that such methods share.
+#[macro_export]
+macro_rules! blocker_params {
+    ($($own:expr),*) => {
+        &[
+            $crate::params::ORDER,
+            $($own,)*
+            $crate::params::SPHERES,
+            $crate::params::SELF_SHADOW,
+            $crate::params::MIN_ANGLE,
+            $crate::params::GUARD,
+            $crate::params::WINDOW_LIGHT,
+            $crate::params::WINDOW_VISIBILITY,
+        ]
+    };
 }

@@ -5,8 +5,9 @@ use std::f64::consts::{PI, TAU};
 use halflight_scenes::Environment;
 use halflight_sh::{coefficients, evaluate, gauss_legendre, index};
 
-/// Nodes a row: exact to degree 15 in height for even azimuthal orders, to 1e-9 for odd ones.
-const NODES: usize = 8;
+/// Nodes a row in polar angle. The integrands are trigonometric polynomials of degree 8 at most: a row of a quarter turn or
+/// less is integrated to 1e-14, the one row of a map without any other to 1e-9.
+const NODES: usize = 16;
 
 /// `∫ L(s) y_i(s) ds` for each colour channel; exact for the piecewise constant map.
 pub(crate) fn project(map: &Environment, order: usize) -> [Vec<f64>; 3] {
@@ -48,16 +49,16 @@ fn azimuth_weights(map: &Environment, order: usize) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// For each `(l, m ≥ 0)`, the integral over the row's heights of the basis function at azimuth 0.
+/// For each `(l, m ≥ 0)`, the integral over the row's polar angles of the basis function at azimuth 0.
 fn height_integrals(map: &Environment, row: usize, order: usize, nodes: &[f64], weights: &[f64]) -> Vec<f64> {
-    let edge = |row: usize| (PI * row as f64 / map.height as f64).cos();
-    let (top, bottom) = (edge(row), edge(row + 1));
+    let half = 0.5 * PI / map.height as f64;
+    let middle = half * (2 * row + 1) as f64;
     let mut basis = vec![0.0; coefficients(order)];
     let mut sum = vec![0.0; coefficients(order)];
     for (node, weight) in nodes.iter().zip(weights) {
-        let z = 0.5 * (top + bottom) + 0.5 * (top - bottom) * node;
-        evaluate(order, [(1.0 - z * z).max(0.0).sqrt(), 0.0, z], &mut basis);
-        let scale = 0.5 * (top - bottom) * weight;
+        let (sin, cos) = (middle + half * node).sin_cos();
+        evaluate(order, [sin, 0.0, cos], &mut basis);
+        let scale = half * weight * sin;
         sum.iter_mut().zip(&basis).for_each(|(sum, value)| *sum += scale * value);
     }
     sum

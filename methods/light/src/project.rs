@@ -123,6 +123,16 @@ mod tests {
         assert!(red[index(1, 0)] > 0.1);
     }
 
+    /// `∫ sin²θ dθ` and the like in closed form, where a step in height would hide a wrong row.
+    #[test]
+    fn one_texel_at_the_pole_has_the_closed_form() {
+        let [red, ..] = project(&map(4, 2, 0.0, |x, y| if (x, y) == (0, 0) { 1.0 } else { 0.0 }), 2);
+        let band_1 = (3.0 / (4.0 * PI)).sqrt();
+        // ∫₀^{π/2} sin²θ dθ = π/4 and ∫₀^{π/2} sinθ cosθ dθ = 1/2; azimuth from 0 to π/2.
+        let expected = [(0.25 / PI).sqrt() * PI / 2.0, band_1 * PI / 4.0, band_1 * 0.5 * PI / 2.0, band_1 * PI / 4.0];
+        close(&red, &expected, 1e-13);
+    }
+
     proptest! {
         #[test]
         fn turning_the_map_turns_its_coefficients(angle in -3.2f32..3.2, bright in 0usize..12) {

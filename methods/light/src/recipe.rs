@@ -42,3 +42,29 @@ impl Derived for LightOf {
         Ok(ShLight { order: self.order, rgb: sum.map(|channel| channel.iter().map(|v| *v as f32).collect()) })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn scene(light: &str) -> Scene {
+        let text = format!(
+            "purpose = 'test'\n[receivers]\ngrid = {{ center = [0, 0, 0], size = [1, 1], resolution = [1, 1] }}\n\
+             [[objects]]\nname = 'ball'\nsphere = {{ center = [0, 0, 1], radius = 0.5 }}\nalbedo = [1, 1, 1]\n\
+             [[lights]]\nsky = {{ {light} }}\n"
+        );
+        Scene::parse(Path::new("test.toml"), &text).expect("a scene")
+    }
+
+    #[test]
+    fn the_key_holds_the_order_and_all_that_the_lights_emit() {
+        let white = scene("uniform = [1, 1, 1]");
+        let key = |order, scene: &Scene| LightOf { order }.key(scene);
+        assert_eq!(key(4, &white), key(4, &white.clone()));
+        assert_ne!(key(4, &white), key(5, &white));
+        assert_ne!(key(4, &white), key(4, &scene("uniform = [1, 1, 0.5]")));
+        assert_ne!(key(4, &white), key(4, &scene("overcast = [1, 1, 1]")));
+    }
+}

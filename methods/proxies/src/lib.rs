@@ -5,6 +5,8 @@
 //! (35), the volume of the spheres outside the object; volume in the interior is free, however many spheres share it.
 //! Where the paper sums signed volumes over the triangles, this crate measures the interior on a voxel grid.
 //!
+//! [`seen`] tells which circle of directions a sphere blocks at a receiver, by the self-shadow rules ([`SelfShadow`]).
+//!
 //! [`SpheresOf`] is the recipe that keeps a set in the cache, [`sphere_sets`] derives one for every casting object,
 //! and [`blockers`] carries them along with a frame's poses.
 
@@ -15,9 +17,11 @@ mod posed;
 mod recipe;
 mod samples;
 mod search;
+mod self_shadow;
 mod set;
 mod voxels;
 
 pub use posed::{PosedSpheres, blockers};
 pub use recipe::{SpheresOf, sphere_sets};
-pub use set::{MAX_COUNT, SphereSet, sphere_set};
+pub use self_shadow::{Circle, SelfShadow, seen};
+pub use set::{DEFAULT_COUNT, MAX_COUNT, SphereSet, sphere_set};

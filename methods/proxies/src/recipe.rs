@@ -20,7 +20,7 @@ pub struct SpheresOf {
 impl Derived for SpheresOf {
     type Value = SphereSet;
     const NAME: &'static str = "spheres";
-    const REVISION: &'static str = "1";
+    const REVISION: &'static str = env!("HALFLIGHT_PROXIES_REVISION");
 
     fn key(&self, scene: &Scene) -> String {
         match scene.objects.get(self.object) {

@@ -1,6 +1,6 @@
 //! The product on the CPU.
 
-use halflight_blockers::{Accumulator, Circle, Work, params};
+use halflight_blockers::{Accumulator, Circle, Work, blocker_params, params};
 use halflight_contract::{ParamSpec, Params};
 use halflight_sh::{CircleTable, coefficients, gamma, rotate_zonal};
 
@@ -20,15 +20,7 @@ pub(crate) struct State {
 
 impl Accumulator for OrderedProduct {
     type State = State;
-    const PARAMS: &'static [ParamSpec] = &[
-        params::ORDER,
-        params::SPHERES,
-        params::SELF_SHADOW,
-        params::MIN_ANGLE,
-        params::GUARD,
-        params::WINDOW_LIGHT,
-        params::WINDOW_VISIBILITY,
-    ];
+    const PARAMS: &'static [ParamSpec] = blocker_params!();
 
     fn new(params: &Params) -> Self {
         OrderedProduct { order: params.int(params::ORDER.name) }

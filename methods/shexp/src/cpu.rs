@@ -1,6 +1,6 @@
 //! Sums of log visibilities on the CPU, and the exponentials that end them.
 
-use halflight_blockers::{Accumulator, Circle, Work, params};
+use halflight_blockers::{Accumulator, Circle, Work, blocker_params, params};
 use halflight_contract::{Kind, ParamSpec, Params, Phase};
 use halflight_sh::{CircleTable, ExpWorkspace, SquaringRule, coefficients, rotate_zonal};
 
@@ -30,22 +30,6 @@ pub(crate) trait Exponential: Send + Sync {
     fn exp(&self, workspace: &mut ExpWorkspace<f32>, log: &[f32], out: &mut [f32]) -> halflight_sh::Work;
 }
 
-/// Parameters of every variant, and then its own.
-macro_rules! with_common {
-    ($($own:expr),*) => {
-        &[
-            params::ORDER,
-            $($own,)*
-            params::SPHERES,
-            params::SELF_SHADOW,
-            params::MIN_ANGLE,
-            params::GUARD,
-            params::WINDOW_LIGHT,
-            params::WINDOW_VISIBILITY,
-        ]
-    };
-}
-
 /// PS*-p.
 pub(crate) struct SeriesExp {
     degree: usize,
@@ -53,7 +37,7 @@ pub(crate) struct SeriesExp {
 }
 
 impl Exponential for SeriesExp {
-    const PARAMS: &'static [ParamSpec] = with_common!(DEGREE, SQUARING);
+    const PARAMS: &'static [ParamSpec] = blocker_params!(DEGREE, SQUARING);
 
     fn new(params: &Params) -> Self {
         SeriesExp { degree: params.int(DEGREE.name), rule: squaring(params) }
@@ -70,7 +54,7 @@ pub(crate) struct HybridExp {
 }
 
 impl Exponential for HybridExp {
-    const PARAMS: &'static [ParamSpec] = with_common!(SQUARING);
+    const PARAMS: &'static [ParamSpec] = blocker_params!(SQUARING);
 
     fn new(params: &Params) -> Self {
         HybridExp { rule: squaring(params) }
@@ -85,7 +69,7 @@ impl Exponential for HybridExp {
 pub(crate) struct EigenExp;
 
 impl Exponential for EigenExp {
-    const PARAMS: &'static [ParamSpec] = with_common!();
+    const PARAMS: &'static [ParamSpec] = blocker_params!();
 
     fn new(_: &Params) -> Self {
         EigenExp

@@ -6,5 +6,6 @@ mod formats;
 mod identity;
 mod lights;
 mod mutations;
+mod readme;
 mod receivers;
 mod shipped;

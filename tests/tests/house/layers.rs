@@ -16,14 +16,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("methods/contract", &["scenes"]),
     ("methods/gpu", &["methods/contract", "scenes"]),
     ("methods/light", &["methods/contract", "methods/sh", "scenes"]),
-    ("methods/proxies", &["methods/contract", "references/trace", "scenes"]),
+    ("methods/proxies", &["harness/revision", "methods/contract", "references/trace", "scenes"]),
     ("methods/blockers", &["methods/contract", "methods/light", "methods/proxies", "methods/sh", "scenes"]),
     (
         "references",
         &[
             "harness/revision",
-            // The self-shadow rules alone: the reference of the same sphere proxies replaces spheres as the methods do.
-            "methods/blockers",
             "methods/contract",
             "methods/light",
             "methods/proxies",
