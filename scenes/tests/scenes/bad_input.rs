@@ -68,7 +68,7 @@ fn values_out_of_range() {
             "objects[2].random_spheres.radius: ",
             "not smaller",
         ),
-        ("uniform = [1.0,", "uniform = [-1.0,", "lights[0].sky.uniform: ", "not below 0"),
+        ("uniform = [1.0,", "uniform = [-1.0,", "lights[0].sky.uniform: ", "from 0 to 1e9"),
         ("uniform = [1.0,", "overcast = [inf,", "lights[0].sky.overcast: ", "finite"),
         ("direction = [1.0, 0.0, 1.0]", "direction = [0.0, 0.0, 0.0]", "lights[1].key.direction: ", "not zero"),
         ("angular_radius = 5.0", "angular_radius = 0.0", "lights[1].key.angular_radius: ", "above 0 and at most 90"),
