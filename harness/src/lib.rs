@@ -49,6 +49,6 @@ pub use error::Error;
 pub use plan::{Group, Plan, Stage, State, Terms};
 pub use probe::{Answers, Source, probe};
 pub use run::{Options, Summary, run};
-pub use select::{DEFAULT_REFERENCES, DEFAULT_SUITE, Selection};
+pub use select::{DEFAULT_SUITE, Selection};
 pub use settings::Setting;
-pub use suite::{Entry, Suite};
+pub use suite::{DEFAULT_REFERENCES, Entry, Suite};

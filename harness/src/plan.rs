@@ -53,6 +53,8 @@ pub struct Group {
     pub support: Support,
     /// One cell a frame.
     pub cells: Vec<Cell>,
+    /// Frames in which nothing asks for light: no valid receiver.
+    pub empty: Vec<u32>,
     /// What the cells' pictures are scored against.
     pub references: Vec<Reference>,
 }
@@ -82,6 +84,7 @@ impl Group {
     pub fn state(&self, cell: &Cell, store: &Store) -> State {
         match (&self.support, store.outcome(&cell.key())) {
             (Support::Skip(why), _) => State::Skip(why.clone()),
+            _ if self.empty.contains(&cell.frame) => State::Skip(format!("frame {} has no receiver", cell.frame)),
             // A failure is tried again: its cause may have lain outside the key, such as a full disk.
             (_, Some(Record::Run(run))) if has_picture(run, store) => State::Cached,
             _ => State::Run,
@@ -174,6 +177,7 @@ impl Plan {
             backend,
             support: method.supports(&content.facts(), &Request { quantity, backend, params }),
             cells: frames.iter().map(cell).collect(),
+            empty: frames.iter().filter(|f| !f.receivers.valid.contains(&true)).map(|f| f.index as u32).collect(),
             references: judge::references(references, quantity, params)?,
         })
     }

@@ -2,13 +2,10 @@
 
 use crate::Error;
 use crate::settings::Setting;
-use crate::suite::{Entry, Suite};
+use crate::suite::{DEFAULT_REFERENCES, Entry, Suite};
 
 /// The suite that runs when nothing is said.
 pub const DEFAULT_SUITE: &str = "quick";
-
-/// The references that are used when nothing is said.
-pub const DEFAULT_REFERENCES: [&str; 3] = ["truth", "sh-light", "sphere-proxies"];
 
 /// What a user asks for.
 #[derive(Clone, Debug, Default)]

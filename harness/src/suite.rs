@@ -42,7 +42,8 @@ pub struct Entry {
     /// Values by parameter; applied to those of the methods that declare the parameter.
     #[serde(default, deserialize_with = "settings")]
     pub set: Vec<Setting>,
-    /// References to score against.
+    /// References to score against; all kinds if nothing is said.
+    #[serde(default = "all_references")]
     pub references: Vec<String>,
     /// What is computed: `direct`, `indirect-N` by N bounces, `total`.
     #[serde(default = "direct")]
@@ -79,7 +80,7 @@ impl Suite {
 
     fn parse(name: &str, text: &str) -> Result<Self, Error> {
         let wrong = |message: String| Error::Suite { name: name.to_owned(), message };
-        let suite: Suite = toml::from_str(text).map_err(|e| wrong(e.to_string().trim_end().to_owned()))?;
+        let suite: Suite = toml::from_str(text).map_err(|e| wrong(one_line(text, &e)))?;
         for (i, entry) in suite.entries.iter().enumerate() {
             let lists = [("scenes", &entry.scenes), ("methods", &entry.methods), ("quantities", &entry.quantities)];
             if let Some((field, _)) = lists.iter().find(|(_, list)| list.is_empty()) {
@@ -94,6 +95,20 @@ impl Suite {
 fn is_path(scene: &str) -> bool {
     scene.contains(std::path::is_separator) || scene.ends_with(".toml")
 }
+
+/// TOML's own messages span several lines; what remains here is one with its place.
+fn one_line(text: &str, error: &toml::de::Error) -> String {
+    let start = error.span().map_or(0, |span| span.start.min(text.len()));
+    let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
+    format!("line {line}: {}", error.message().trim().replace('\n', ", "))
+}
+
+fn all_references() -> Vec<String> {
+    DEFAULT_REFERENCES.map(str::to_owned).to_vec()
+}
+
+/// The references that are used when nothing is said.
+pub const DEFAULT_REFERENCES: [&str; 3] = ["truth", "sh-light", "sphere-proxies"];
 
 /// The quantities when nothing is said.
 pub(crate) fn direct() -> Vec<String> {

@@ -13,10 +13,8 @@ pub(crate) enum Visibility {
     Traced {
         /// Objects that cast shadows, posed.
         world: World,
-        /// For each object, the farthest from the origin that it gets; 0 for one that casts no shadow.
-        reaches: Vec<f32>,
-        /// The farthest that any object gets that casts shadows.
-        reach: f32,
+        /// For each object, the farthest from the origin that it gets; `None` for one that no ray can hit.
+        reaches: Vec<Option<f32>>,
     },
     /// Spheres seen under a self-shadow rule.
     Spheres {
@@ -27,28 +25,34 @@ pub(crate) enum Visibility {
     },
 }
 
-/// How far off the surface rays start, in rounding steps of the largest coordinate of what the receiver lies on: a position
-/// on a triangle is a sum of a few rounded products of its corners.
+/// How far off its own surface a receiver's rays start, in rounding steps of the largest coordinate of the object that it lies
+/// on: a position on a triangle is a sum of a few rounded products of its corners. What lies on nothing that casts needs none.
 const OFFSET_STEPS: f32 = 16.0;
+
+/// The same for a receiver of which only the position is known: that was rounded once.
+const OFFSET_STEPS_OF_POINTS: f32 = 2.0;
 
 impl Visibility {
     /// The real geometry of a frame.
     pub(crate) fn traced(scene: &Scene, frame: &Frame) -> Self {
         let reach_of = |posed: &PosedObject| match &scene.objects[posed.object] {
-            object if object.casts => reach(&object.shape) + posed.pose.translation.length(),
-            _ => 0.0,
+            object if object.casts => Some(reach(&object.shape) + posed.pose.translation.length()),
+            _ => None,
         };
-        let reaches: Vec<f32> = frame.objects.iter().map(reach_of).collect();
-        let reach = reaches.iter().copied().fold(0.0, f32::max);
-        Visibility::Traced { world: scene.world(frame, Which::Casters), reaches, reach }
+        let reaches = frame.objects.iter().map(reach_of).collect();
+        Visibility::Traced { world: scene.world(frame, Which::Casters), reaches }
     }
 
-    /// What a receiver sees of the blockers. A receiver that lies on nothing known may lie on anything.
+    /// What a receiver sees of the blockers.
     pub(crate) fn from(&self, receiver: &Receiver) -> View<'_> {
         match self {
-            Visibility::Traced { world, reaches, reach } => {
-                let reach = receiver.object.and_then(|object| reaches.get(object as usize)).unwrap_or(reach);
-                let offset = OFFSET_STEPS * f32::EPSILON * reach.max(receiver.position.length());
+            Visibility::Traced { world, reaches } => {
+                let steps = match receiver.object.map(|object| reaches[object as usize]) {
+                    Some(Some(reach)) => OFFSET_STEPS * reach,
+                    Some(None) => 0.0,
+                    None => OFFSET_STEPS_OF_POINTS * receiver.position.length(),
+                };
+                let offset = f32::EPSILON * steps;
                 View::Rays { world, origin: receiver.position + offset * receiver.geometric_normal }
             }
             Visibility::Spheres { spheres, rule } => View::Circles(circles(receiver, spheres, *rule)),

@@ -180,3 +180,17 @@ fn one_bright_texel_lights_its_own_side() {
 fn normals_of(scene: &halflight_scenes::Scene) -> Vec<Vec3> {
     scene.frame(0).receivers.normal.clone()
 }
+
+/// The size of a scene is not the size of its parts: what lies far away must not loosen what is near.
+#[test]
+fn a_far_blocker_changes_nothing_near() {
+    let points: Vec<(Vec3, Vec3)> = (0..64).map(|i| (Vec3::new(0.02 * i as f32, 0.0, 0.0), Vec3::Z)).collect();
+    let near = spheres(&[(Vec3::new(0.3, 0.0, 0.5), 0.49)]);
+    let far = ball(Vec3::new(1e6, 0.0, 0.0), 1.0, 4);
+    let alone = scene(vec![near.clone()], vec![sky(1.0)], &points);
+    let both = scene(vec![near, far], vec![sky(1.0)], &points);
+    let [alone, both] = [alone, both].map(|scene| run("truth", &scene, &Quality::fixed(1024), 3));
+    for (a, b) in alone.mean.iter().zip(&both.mean) {
+        assert!((*a - *b).abs().max_element() < 2e-3, "{a} {b}");
+    }
+}

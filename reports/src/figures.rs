@@ -123,6 +123,7 @@ impl Gallery<'_> {
             parts.extend(measure("flip").map(|f| format!("FLIP {}", number(f))));
         }
         parts.extend(row.shade_time().map(|t| format!("shade {}", time(t.median))));
+        parts.extend(guarded(row.run.counters.get("receivers guarded").copied(), row.run.receivers));
         parts.extend(row.run.approximate.as_ref().map(|why| format!("approximate here: {}", escape(why))));
         format!("<p class=\"caption\">{}</p>", parts.join(" · "))
     }
@@ -175,4 +176,10 @@ impl Gallery<'_> {
         }
         html + "</select>"
     }
+}
+
+/// How many receivers lay outside the method's domain.
+fn guarded(count: Option<u64>, receivers: usize) -> Option<String> {
+    let share = 100.0 * count? as f64 / receivers.max(1) as f64;
+    Some(format!("overlap guard at {} % of receivers", number(share)))
 }

@@ -175,9 +175,9 @@ impl Store {
         self.dir.join("images").join(format!("{image}.exr"))
     }
 
-    /// Whether an image is there, whole or not: a reader may have deleted it to save room.
+    /// Whether an image is there and whole: a reader may have deleted it to save room, a disk may have damaged it.
     pub fn has_image(&self, image: &Key) -> bool {
-        self.image_path(image).is_file()
+        std::fs::read(self.image_path(image)).is_ok_and(|bytes| Key::of_bytes(&bytes) == *image)
     }
 
     /// Stores a picture and returns its content's hash.
@@ -204,7 +204,7 @@ impl Store {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let hash = Key::of_bytes(bytes);
         let path = self.image_path(&hash);
-        if path.exists() {
+        if self.has_image(&hash) {
             return Ok(hash);
         }
         self.make_dir(&self.dir.join("images"))?;

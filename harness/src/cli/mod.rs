@@ -113,10 +113,23 @@ pub fn main() -> ExitCode {
         Ok(Ending::Well) => ExitCode::SUCCESS,
         Ok(Ending::Differs) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("halflight: {error:#}");
+            eprintln!("halflight: {}", one_line(&error));
             ExitCode::from(2)
         }
     }
+}
+
+/// An error and its causes on one line; a cause that the error tells already is not told again.
+fn one_line(error: &anyhow::Error) -> String {
+    let mut line = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if line.is_empty() {
+            line = cause;
+        } else if !line.contains(&cause) {
+            line += &format!(": {cause}");
+        }
+    }
+    line.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn act(cli: Cli) -> anyhow::Result<Ending> {
@@ -144,6 +157,12 @@ fn say(line: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn causes_are_told_once() {
+        let error = anyhow::anyhow!("no such folder").context("a.toml: no such folder").context("scene a");
+        assert_eq!(one_line(&error), "scene a: a.toml: no such folder");
+    }
 
     #[test]
     fn the_command_line_is_consistent() {

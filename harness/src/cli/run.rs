@@ -14,7 +14,7 @@ pub(super) struct Run {
     out: Out,
     #[command(flatten)]
     cache: CacheDir,
-    /// Timed evaluations a cell, after one to warm up
+    /// Timed evaluations of each cell that is run, after one to warm up
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     repeats: u16,
 }

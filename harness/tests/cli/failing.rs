@@ -94,6 +94,7 @@ fn plan(bench: &Bench) -> Plan {
         support: Support::Approximate("for the test".into()),
         cells: vec![Cell { method: method.1.id.into(), params: Default::default(), ..model.cells[0].clone() }],
         references: model.references.clone(),
+        empty: Vec::new(),
         ..model
     }));
     plan

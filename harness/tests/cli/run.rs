@@ -116,3 +116,31 @@ fn every_frame_is_a_cell() {
     assert_eq!(runs[1]["image"], runs[2]["image"]);
     assert!(bench.well(command).contains("0 cells run, 3 cached"));
 }
+
+#[test]
+fn damaged_pictures_are_made_again() {
+    let bench = Bench::new();
+    bench.well(&format!("{TINY} --out out"));
+    for (path, ..) in bench.files("out/images") {
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    }
+    let said = bench.halflight("report --out out");
+    assert!(said.err.contains("picture left out"), "{}", said.err);
+    let told = bench.well(&format!("{TINY} --out out"));
+    assert!(told.contains("4 cells run, 0 cached"), "{told}");
+    assert!(bench.halflight("report --out out").err.is_empty());
+}
+
+#[test]
+fn a_frame_that_shows_nothing_is_skipped() {
+    let bench = Bench::new();
+    let view = "[camera]\neye = [0.0, -3.0, 1.0]\ntarget = [0.0, 0.0, 1.0]\nfov = 40.0\nwidth = 8\nheight = 6\n[receivers]\ncamera = {}\n";
+    let (start, end) = (SCENE.find("[receivers").unwrap(), SCENE.find("[[objects]]").unwrap());
+    let away = "motion = [{ time = 0.0 }, { time = 1.0, translate = [50.0, 0.0, 0.0] }]\nalbedo";
+    let scene = format!("{}{view}{}", &SCENE[..start], SCENE[end..].replace("albedo", away));
+    bench.write("away.toml", &format!("{scene}\n[frames]\ncount = 2\nfps = 1.0\n"));
+    let told = bench.well("run --scene away.toml --method shexp/hyb --reference truth --out out");
+    assert!(told.contains("1 cells run, 0 cached, 1 skipped, 0 failed"), "{told}");
+    assert_eq!(of_kind(&bench.lines("out"), "skip")[0]["reason"], "frame 1 has no receiver");
+}

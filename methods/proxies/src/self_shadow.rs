@@ -3,6 +3,8 @@
 //! Bounding spheres enclose the surface that they stand for, so a receiver on it must not be shadowed by its own
 //! neighbourhood. With `c` the height of the sphere's centre above the receiver's tangent plane, `r` its radius:
 //!
+//! The rules hold for exact spheres too: a receiver inside one whose centre lies behind the tangent plane sees it not at all.
+//!
 //! | receiver | sphere | rule |
 //! |---|---|---|
 //! | anywhere | `c ≤ −r`, behind the plane | nothing |
@@ -23,7 +25,8 @@ pub enum SelfShadow {
     /// Centre and radius go from `(P, max(c, 0))` at the rim to S′ by α: no jump.
     #[default]
     Continuous,
-    /// Spheres are taken as they are; one that holds the receiver blocks the half space towards its centre.
+    /// Spheres are taken as they are; one that holds the receiver blocks the half space towards its centre
+    /// (at its very centre, which has no such direction, nothing).
     Off,
 }
 

@@ -23,8 +23,9 @@ pub(crate) struct Image {
 
 /// The first layer with channels `R`, `G` and `B`, half or float.
 pub(super) fn read_exr(check: Checker, bytes: &[u8]) -> Result<Image, SceneError> {
-    let malformed =
-        |error: exr::error::Error| check.malformed("OpenEXR", format!("expected channels R, G, B: {error}"));
+    let malformed = |error: exr::error::Error| {
+        check.malformed("OpenEXR", format!("expected a whole file with channels R, G, B: {error}"))
+    };
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(malformed)?;
     for header in &meta.headers {
         check_size(check, header.layer_size.width(), header.layer_size.height())?;
@@ -55,7 +56,7 @@ pub(super) fn read_exr(check: Checker, bytes: &[u8]) -> Result<Image, SceneError
 }
 
 pub(super) fn read_hdr(check: Checker, bytes: &[u8]) -> Result<Image, SceneError> {
-    let malformed = |error: ImageError| check.malformed("Radiance HDR", error.to_string().replace('\n', " "));
+    let malformed = |error: ImageError| check.malformed("Radiance HDR", format!("expected a whole file: {error}"));
     let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(malformed)?;
     let (width, height) = decoder.dimensions();
     check_size(check, width as usize, height as usize)?;

@@ -93,7 +93,7 @@ fn other_channels_and_files_are_refused() {
     use exr::prelude::WritableImage;
     exr::prelude::Image::from_channels((WIDTH, HEIGHT), luminance).write().to_file(folder.path("grey.exr")).unwrap();
     let error = load(&folder, r#"file = "grey.exr""#).unwrap_err().to_string();
-    assert!(error.contains("grey.exr: OpenEXR: expected channels R, G, B"), "{error}");
+    assert!(error.contains("grey.exr: OpenEXR: expected a whole file with channels R, G, B"), "{error}");
     folder.write("map.png", "");
     let error = load(&folder, r#"file = "map.png""#).unwrap_err().to_string();
     assert!(error.contains("map.png: extension: expected a picture as .exr or .hdr"), "{error}");
