@@ -2,54 +2,52 @@
 
 use glam::Vec3;
 
-/// Widens the far end of a box's interval so that rounding never culls a box that the ray touches
-/// (three roundings on either side: Ize 2013, "Robust BVH ray traversal").
-const FAR_WIDENING: f32 = 1.0 + 8.0 * (f32::EPSILON / 2.0);
+/// Bounds, relative to a coordinate's distance from the ray's start, what rounding may add up to between a box's
+/// planes and the sheared corners of a triangle inside: four roundings for the shear, six for the planes, and some
+/// to spare (Woop, Benthin and Wald 2013, section 4).
+const ROUNDING: f32 = 16.0 * (f32::EPSILON / 2.0);
+
+/// Direction components below this fraction of the largest count as that fraction, far below [`ROUNDING`]: no
+/// plane distance is then `0·∞`, and a ray parallel to a plane keeps to its side.
+const LEAST_SLOPE: f32 = 1.0 / (1u64 << 40) as f32;
 
 /// A ray prepared for many tests.
+#[derive(Clone, Copy)]
 pub(crate) struct TracedRay {
     pub(crate) origin: Vec3,
     pub(crate) direction: Vec3,
     pub(crate) t_min: f32,
-    inverse: [f32; 3],
-    /// 1 where the direction is negative: the box corner that the ray meets first.
-    negative: [usize; 3],
+    /// Reciprocal direction, finite.
+    pub(crate) inverse: Vec3,
     /// Axes permuted so that the last is the direction's largest and winding is kept.
-    axes: [usize; 3],
-    shear: Vec3,
+    pub(crate) axes: [usize; 3],
+    /// Slopes against the last axis.
+    pub(crate) slopes: [f32; 2],
 }
 
 impl TracedRay {
-    pub(crate) fn new(origin: Vec3, direction: Vec3, t_min: f32) -> Self {
-        let d = direction.to_array();
+    /// Nothing for a ray that is not finite or has no direction.
+    pub(crate) fn new(origin: Vec3, direction: Vec3, t_min: f32) -> Option<Self> {
         let z = direction.abs().max_position();
+        let d = direction.to_array();
+        if !(origin.is_finite() && direction.is_finite() && d[z] != 0.0) {
+            return None;
+        }
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
         if d[z] < 0.0 {
             std::mem::swap(&mut x, &mut y);
         }
-        TracedRay {
-            origin,
-            direction,
-            t_min,
-            inverse: d.map(|v| 1.0 / v),
-            negative: d.map(|v| usize::from(v.is_sign_negative())),
-            axes: [x, y, z],
-            shear: Vec3::new(d[x] / d[z], d[y] / d[z], 1.0 / d[z]),
-        }
+        let least = Vec3::splat(d[z].abs() * LEAST_SLOPE);
+        let inverse = direction.abs().max(least).copysign(direction).recip();
+        let slopes = [d[x] * inverse[z], d[y] * inverse[z]];
+        Some(TracedRay { origin, direction, t_min, inverse, axes: [x, y, z], slopes })
     }
 
-    /// Distance at which the ray enters a box given by its two corners, if it does so before `t_max`.
-    ///
-    /// A ray within a face gives `0·∞ = NaN`; the comparisons below then keep the interval, so it counts as inside.
-    pub(crate) fn enter(&self, corners: &[[f32; 3]; 2], t_max: f32) -> Option<f32> {
-        let (mut near, mut far) = (self.t_min, t_max);
-        for axis in 0..3 {
-            let first = (corners[self.negative[axis]][axis] - self.origin[axis]) * self.inverse[axis];
-            let last = (corners[1 - self.negative[axis]][axis] - self.origin[axis]) * self.inverse[axis] * FAR_WIDENING;
-            near = if first > near { first } else { near };
-            far = if last < far { last } else { far };
-        }
-        (near <= far).then_some(near)
+    /// By how much plane distances must give way so that no box within `bounds` is missed whose triangles are hit:
+    /// the shear moves corners along its first two axes by what the third carries into them.
+    pub(crate) fn slack(&self, bounds: &[Vec3; 2]) -> Vec3 {
+        let reach = (bounds[0] - self.origin).abs().max((bounds[1] - self.origin).abs());
+        (reach + reach[self.axes[2]]) * ROUNDING * self.inverse.abs()
     }
 
     /// A point in the space where the ray starts at the origin and runs along +z with unit speed
@@ -57,6 +55,6 @@ impl TracedRay {
     pub(crate) fn shear(&self, point: Vec3) -> Vec3 {
         let p = point - self.origin;
         let [x, y, z] = self.axes;
-        Vec3::new(p[x] - self.shear.x * p[z], p[y] - self.shear.y * p[z], self.shear.z * p[z])
+        Vec3::new(p[x] - self.slopes[0] * p[z], p[y] - self.slopes[1] * p[z], p[z] * self.inverse[z])
     }
 }

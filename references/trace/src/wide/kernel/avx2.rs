@@ -1,0 +1,134 @@
+//! Eight lanes of AVX2 with fused multiply–add.
+
+use std::arch::x86_64::*;
+
+use super::super::{Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, traverse};
+use super::{BoxRay, Kernel};
+use crate::traced_ray::TracedRay;
+
+/// Proof that AVX2 and FMA are there: made by [`Avx2::detect`] only.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx2(());
+
+impl Avx2 {
+    pub(super) fn detect() -> Option<Self> {
+        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Avx2(()))
+    }
+
+    pub(super) fn any<P: Packet>(self, tree: &Hierarchy<P>, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {
+        #[target_feature(enable = "avx2,fma")]
+        fn compiled<P: Packet>(kernel: Avx2, tree: &Hierarchy<P>, ray: &TracedRay, t: f32, stack: &mut Stack) -> bool {
+            traverse::any(kernel, tree, ray, t, stack)
+        }
+        // SAFETY: `self` proves the features.
+        unsafe { compiled(self, tree, ray, t_max, stack) }
+    }
+
+    pub(super) fn closest<P: Packet>(
+        self,
+        tree: &Hierarchy<P>,
+        ray: &TracedRay,
+        t_max: f32,
+        stack: &mut Stack,
+    ) -> Option<(Found, Id)> {
+        #[target_feature(enable = "avx2,fma")]
+        fn compiled<P: Packet>(
+            kernel: Avx2,
+            tree: &Hierarchy<P>,
+            ray: &TracedRay,
+            t_max: f32,
+            stack: &mut Stack,
+        ) -> Option<(Found, Id)> {
+            traverse::closest(kernel, tree, ray, t_max, stack)
+        }
+        // SAFETY: `self` proves the features.
+        unsafe { compiled(self, tree, ray, t_max, stack) }
+    }
+}
+
+impl Kernel for Avx2 {
+    #[inline(always)]
+    fn enter(self, node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
+        // SAFETY: `self` proves the features; loads and stores stay within arrays of eight.
+        unsafe {
+            let (mut near, mut far) = (_mm256_set1_ps(ray.t_min), _mm256_set1_ps(t_max));
+            for axis in 0..3 {
+                let origin = _mm256_set1_ps(ray.origin[axis]);
+                let inverse = _mm256_set1_ps(ray.inverse[axis]);
+                let slack = _mm256_set1_ps(ray.slack[axis]);
+                let first = load(&node.corners[ray.negative[axis]][axis]);
+                let last = load(&node.corners[1 - ray.negative[axis]][axis]);
+                let first = _mm256_fmsub_ps(_mm256_sub_ps(first, origin), inverse, slack);
+                let last = _mm256_fmadd_ps(_mm256_sub_ps(last, origin), inverse, slack);
+                // The second operand is kept where the first is not a number: it cuts nothing off.
+                near = _mm256_max_ps(first, near);
+                far = _mm256_min_ps(last, far);
+            }
+            let mut nears = [0.0; LANES];
+            _mm256_storeu_ps(nears.as_mut_ptr(), near);
+            (_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32, nears)
+        }
+    }
+
+    #[inline(always)]
+    fn straddling(self, corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
+        // SAFETY: `self` proves the features; loads stay within arrays of eight.
+        unsafe {
+            let origin = ray.axes.map(|axis| _mm256_set1_ps(ray.origin[axis]));
+            let slopes = ray.slopes.map(|slope| _mm256_set1_ps(slope));
+            let sheared = |corner: usize| {
+                let p = |i: usize| _mm256_sub_ps(load(&corners[corner][ray.axes[i]]), origin[i]);
+                let z = p(2);
+                [0, 1].map(|i| _mm256_sub_ps(p(i), _mm256_mul_ps(slopes[i], z)))
+            };
+            let [a, b, c] = [sheared(0), sheared(1), sheared(2)];
+            let edge =
+                |p: [__m256; 2], q: [__m256; 2]| _mm256_sub_ps(_mm256_mul_ps(p[0], q[1]), _mm256_mul_ps(p[1], q[0]));
+            let [u, v, w] = [edge(c, b), edge(a, c), edge(b, a)];
+            // What is not a number falls out of the extremes or makes the comparison fail: it rejects nothing.
+            let lowest = _mm256_min_ps(_mm256_min_ps(u, v), w);
+            let highest = _mm256_max_ps(_mm256_max_ps(u, v), w);
+            let zero = _mm256_setzero_ps();
+            let below = _mm256_cmp_ps::<_CMP_LT_OQ>(lowest, zero);
+            let above = _mm256_cmp_ps::<_CMP_GT_OQ>(highest, zero);
+            !_mm256_movemask_ps(_mm256_and_ps(below, above)) as u32 & super::super::ALL_LANES
+        }
+    }
+
+    #[inline(always)]
+    fn push(self, children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
+        let order = &FRONT[mask as usize & (FRONT.len() - 1)];
+        // SAFETY: `self` proves the features; a `Child` is a transparent `u32`, and both arrays hold eight.
+        unsafe {
+            let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.as_ptr().cast()));
+            let children = _mm256_loadu_si256(children.as_ptr().cast());
+            _mm256_storeu_si256(room.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(children, order));
+        }
+    }
+}
+
+/// # Safety
+/// The machine must have AVX.
+#[inline(always)]
+unsafe fn load(lanes: &[f32; LANES]) -> __m256 {
+    // SAFETY: the caller has seen to the feature; the array holds the eight lanes that are read.
+    unsafe { _mm256_loadu_ps(lanes.as_ptr()) }
+}
+
+/// For each mask, its lanes in ascending order, then zeros.
+static FRONT: [[u8; LANES]; 1 << LANES] = {
+    let mut table = [[0; LANES]; 1 << LANES];
+    let mut mask = 0;
+    while mask < table.len() {
+        let (mut lane, mut next) = (0, 0);
+        while lane < LANES {
+            if mask >> lane & 1 == 1 {
+                table[mask][next] = lane as u8;
+                next += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
