@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::super::{Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, traverse};
+use super::super::{ALL_LANES, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, traverse};
 use super::{BoxRay, Kernel};
 use crate::traced_ray::TracedRay;
 
@@ -49,69 +49,95 @@ impl Avx2 {
 impl Kernel for Avx2 {
     #[inline(always)]
     fn enter(self, node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
-        // SAFETY: `self` proves the features; loads and stores stay within arrays of eight.
-        unsafe {
-            let (mut near, mut far) = (_mm256_set1_ps(ray.t_min), _mm256_set1_ps(t_max));
-            for axis in 0..3 {
-                let origin = _mm256_set1_ps(ray.origin[axis]);
-                let inverse = _mm256_set1_ps(ray.inverse[axis]);
-                let slack = _mm256_set1_ps(ray.slack[axis]);
-                let first = load(&node.corners[ray.negative[axis]][axis]);
-                let last = load(&node.corners[1 - ray.negative[axis]][axis]);
-                let first = _mm256_fmsub_ps(_mm256_sub_ps(first, origin), inverse, slack);
-                let last = _mm256_fmadd_ps(_mm256_sub_ps(last, origin), inverse, slack);
-                // The second operand is kept where the first is not a number: it cuts nothing off.
-                near = _mm256_max_ps(first, near);
-                far = _mm256_min_ps(last, far);
-            }
-            let mut nears = [0.0; LANES];
-            _mm256_storeu_ps(nears.as_mut_ptr(), near);
-            (_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32, nears)
-        }
+        // SAFETY: `self` proves the features.
+        unsafe { enter(node, ray, t_max) }
     }
 
     #[inline(always)]
     fn straddling(self, corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
-        // SAFETY: `self` proves the features; loads stay within arrays of eight.
-        unsafe {
-            let origin = ray.axes.map(|axis| _mm256_set1_ps(ray.origin[axis]));
-            let slopes = ray.slopes.map(|slope| _mm256_set1_ps(slope));
-            let sheared = |corner: usize| {
-                let p = |i: usize| _mm256_sub_ps(load(&corners[corner][ray.axes[i]]), origin[i]);
-                let z = p(2);
-                [0, 1].map(|i| _mm256_sub_ps(p(i), _mm256_mul_ps(slopes[i], z)))
-            };
-            let [a, b, c] = [sheared(0), sheared(1), sheared(2)];
-            let edge =
-                |p: [__m256; 2], q: [__m256; 2]| _mm256_sub_ps(_mm256_mul_ps(p[0], q[1]), _mm256_mul_ps(p[1], q[0]));
-            let [u, v, w] = [edge(c, b), edge(a, c), edge(b, a)];
-            // What is not a number falls out of the extremes or makes the comparison fail: it rejects nothing.
-            let lowest = _mm256_min_ps(_mm256_min_ps(u, v), w);
-            let highest = _mm256_max_ps(_mm256_max_ps(u, v), w);
-            let zero = _mm256_setzero_ps();
-            let below = _mm256_cmp_ps::<_CMP_LT_OQ>(lowest, zero);
-            let above = _mm256_cmp_ps::<_CMP_GT_OQ>(highest, zero);
-            !_mm256_movemask_ps(_mm256_and_ps(below, above)) as u32 & super::super::ALL_LANES
-        }
+        // SAFETY: `self` proves the features.
+        unsafe { straddling(corners, ray) }
     }
 
     #[inline(always)]
     fn push(self, children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
-        let order = &FRONT[mask as usize & (FRONT.len() - 1)];
-        // SAFETY: `self` proves the features; a `Child` is a transparent `u32`, and both arrays hold eight.
-        unsafe {
-            let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.as_ptr().cast()));
-            let children = _mm256_loadu_si256(children.as_ptr().cast());
-            _mm256_storeu_si256(room.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(children, order));
-        }
+        // SAFETY: `self` proves the features.
+        unsafe { push(children, mask, room) }
     }
 }
 
-/// # Safety
-/// The machine must have AVX.
-#[inline(always)]
-unsafe fn load(lanes: &[f32; LANES]) -> __m256 {
-    // SAFETY: the caller has seen to the feature; the array holds the eight lanes that are read.
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
+    let (mut near, mut far) = (_mm256_set1_ps(ray.t_min), _mm256_set1_ps(t_max));
+    for axis in 0..3 {
+        let origin = _mm256_set1_ps(ray.origin[axis]);
+        let inverse = _mm256_set1_ps(ray.inverse[axis]);
+        let slack = _mm256_set1_ps(ray.slack[axis]);
+        let first = load(&node.corners[ray.negative[axis]][axis]);
+        let last = load(&node.corners[1 - ray.negative[axis]][axis]);
+        let first = _mm256_fmsub_ps(_mm256_sub_ps(first, origin), inverse, slack);
+        let last = _mm256_fmadd_ps(_mm256_sub_ps(last, origin), inverse, slack);
+        // The second operand is kept where the first is not a number: it cuts nothing off.
+        near = _mm256_max_ps(first, near);
+        far = _mm256_min_ps(last, far);
+    }
+    let mut nears = [0.0; LANES];
+    // SAFETY: the array holds the eight lanes that are written.
+    unsafe { _mm256_storeu_ps(nears.as_mut_ptr(), near) };
+    (_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32, nears)
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn straddling(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
+    let [a, b, c] = [sheared(&corners[0], ray), sheared(&corners[1], ray), sheared(&corners[2], ray)];
+    let [u, v, w] = [edge(c, b), edge(a, c), edge(b, a)];
+    // What is not a number falls out of the extremes or makes the comparison fail: it rejects nothing.
+    let lowest = _mm256_min_ps(_mm256_min_ps(u, v), w);
+    let highest = _mm256_max_ps(_mm256_max_ps(u, v), w);
+    let zero = _mm256_setzero_ps();
+    let below = _mm256_cmp_ps::<_CMP_LT_OQ>(lowest, zero);
+    let above = _mm256_cmp_ps::<_CMP_GT_OQ>(highest, zero);
+    !_mm256_movemask_ps(_mm256_and_ps(below, above)) as u32 & ALL_LANES
+}
+
+/// The first two of the coordinates that [`TracedRay::shear`] gives.
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn sheared(corner: &[[f32; LANES]; 3], ray: &TracedRay) -> [__m256; 2] {
+    let [x, y, z] = ray.axes;
+    let z = _mm256_sub_ps(load(&corner[z]), _mm256_set1_ps(ray.origin[z]));
+    let x = _mm256_sub_ps(load(&corner[x]), _mm256_set1_ps(ray.origin[x]));
+    let y = _mm256_sub_ps(load(&corner[y]), _mm256_set1_ps(ray.origin[y]));
+    [
+        _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(ray.slopes[0]), z)),
+        _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(ray.slopes[1]), z)),
+    ]
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn edge(p: [__m256; 2], q: [__m256; 2]) -> __m256 {
+    _mm256_sub_ps(_mm256_mul_ps(p[0], q[1]), _mm256_mul_ps(p[1], q[0]))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn push(children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
+    let order = &FRONT[mask as usize & (FRONT.len() - 1)];
+    // SAFETY: a `Child` is a transparent `u32`, and all three arrays hold eight elements.
+    unsafe {
+        let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.as_ptr().cast()));
+        let children = _mm256_loadu_si256(children.as_ptr().cast());
+        _mm256_storeu_si256(room.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(children, order));
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn load(lanes: &[f32; LANES]) -> __m256 {
+    // SAFETY: the array holds the eight lanes that are read.
     unsafe { _mm256_loadu_ps(lanes.as_ptr()) }
 }
 
