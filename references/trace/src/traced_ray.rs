@@ -20,41 +20,60 @@ pub(crate) struct TracedRay {
     /// Reciprocal direction, finite.
     pub(crate) inverse: Vec3,
     /// Axes permuted so that the last is the direction's largest and winding is kept.
-    pub(crate) axes: [usize; 3],
-    /// Slopes against the last axis.
-    pub(crate) slopes: [f32; 2],
+    pub(crate) axes: [Axis; 3],
+    /// The origin along these axes.
+    pub(crate) start: [f32; 3],
+    /// Slopes against the last axis, and its reciprocal direction.
+    pub(crate) slopes: [f32; 3],
+}
+
+/// An index that needs no bounds check.
+#[derive(Clone, Copy)]
+pub(crate) enum Axis {
+    X,
+    Y,
+    Z,
 }
 
 impl TracedRay {
     /// Nothing for a ray that is not finite or has no direction.
+    #[inline]
     pub(crate) fn new(origin: Vec3, direction: Vec3, t_min: f32) -> Option<Self> {
-        let z = direction.abs().max_position();
         let d = direction.to_array();
-        if !(origin.is_finite() && direction.is_finite() && d[z] != 0.0) {
+        let least = direction.abs().max_element() * LEAST_SLOPE;
+        if !(origin.is_finite() && direction.is_finite() && least > 0.0) {
             return None;
         }
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if d[z] < 0.0 {
-            std::mem::swap(&mut x, &mut y);
-        }
-        let least = Vec3::splat(d[z].abs() * LEAST_SLOPE);
-        let inverse = direction.abs().max(least).copysign(direction).recip();
-        let slopes = [d[x] * inverse[z], d[y] * inverse[z]];
-        Some(TracedRay { origin, direction, t_min, inverse, axes: [x, y, z], slopes })
+        let inverse = direction.abs().max(Vec3::splat(least)).copysign(direction).recip();
+        let axes = permuted(direction);
+        let [x, y, z] = axes.map(|axis| axis as usize);
+        let slopes = [d[x] * inverse[z], d[y] * inverse[z], inverse[z]];
+        Some(TracedRay { origin, direction, t_min, inverse, axes, start: [origin[x], origin[y], origin[z]], slopes })
     }
 
     /// By how much plane distances must give way so that no box within `bounds` is missed whose triangles are hit:
     /// the shear moves corners along its first two axes by what the third carries into them.
+    #[inline(always)]
     pub(crate) fn slack(&self, bounds: &[Vec3; 2]) -> Vec3 {
         let reach = (bounds[0] - self.origin).abs().max((bounds[1] - self.origin).abs());
-        (reach + reach[self.axes[2]]) * ROUNDING * self.inverse.abs()
+        (reach + reach[self.axes[2] as usize]) * ROUNDING * self.inverse.abs()
     }
 
-    /// A point in the space where the ray starts at the origin and runs along +z with unit speed
-    /// (Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection").
-    pub(crate) fn shear(&self, point: Vec3) -> Vec3 {
-        let p = point - self.origin;
-        let [x, y, z] = self.axes;
-        Vec3::new(p[x] - self.slopes[0] * p[z], p[y] - self.slopes[1] * p[z], p[z] * self.inverse[z])
+    /// A point, given along the permuted axes, in the space where the ray starts at the origin and runs along +z with
+    /// unit speed (Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection").
+    #[inline(always)]
+    pub(crate) fn shear(&self, point: [f32; 3]) -> [f64; 3] {
+        let [x, y, z] = [point[0] - self.start[0], point[1] - self.start[1], point[2] - self.start[2]];
+        let sheared = [x - self.slopes[0] * z, y - self.slopes[1] * z, self.slopes[2] * z];
+        [f64::from(sheared[0]), f64::from(sheared[1]), f64::from(sheared[2])]
     }
+}
+
+fn permuted(direction: Vec3) -> [Axis; 3] {
+    let [x, y, z] = match direction.abs().max_position() {
+        0 => [Axis::Y, Axis::Z, Axis::X],
+        1 => [Axis::Z, Axis::X, Axis::Y],
+        _ => [Axis::X, Axis::Y, Axis::Z],
+    };
+    if direction[z as usize] < 0.0 { [y, x, z] } else { [x, y, z] }
 }

@@ -49,16 +49,19 @@ impl Packet for TrianglePacket {
     /// too: triangles that share an edge agree on which side of it a ray passes, and none is missed by both.
     #[inline(always)]
     fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32) -> Option<Found> {
-        let corner = |axes: &[[f32; LANES]; 3]| Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]);
-        let [a, b, c] = [0, 1, 2].map(|i| ray.shear(corner(&self.corners[i])).as_dvec3());
-        let u = c.x * b.y - c.y * b.x;
-        let v = a.x * c.y - a.y * c.x;
-        let w = b.x * a.y - b.y * a.x;
+        let [x, y, z] = ray.axes;
+        let sheared = |corner: &[[f32; LANES]; 3]| {
+            ray.shear([corner[x as usize][lane], corner[y as usize][lane], corner[z as usize][lane]])
+        };
+        let [a, b, c] = [sheared(&self.corners[0]), sheared(&self.corners[1]), sheared(&self.corners[2])];
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
         let sum = u + v + w;
-        let t = ((u * a.z + v * b.z + w * c.z) / sum) as f32;
+        let t = ((u * a[2] + v * b[2] + w * c[2]) / sum) as f32;
         // Seen edge-on `sum` is 0 and `t` not a number: the comparison fails.
         (t > ray.t_min && t < t_max).then(|| Found { t, barycentrics: [(v / sum) as f32, (w / sum) as f32] })
     }

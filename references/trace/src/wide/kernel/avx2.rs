@@ -6,17 +6,19 @@ use super::super::{ALL_LANES, Child, Found, Hierarchy, Id, LANES, Node, Packet, 
 use super::{BoxRay, Kernel};
 use crate::traced_ray::TracedRay;
 
-/// Proof that AVX2 and FMA are there: made by [`Avx2::detect`] only.
+/// Proof that AVX2, FMA and the instructions that count bits are there: made by [`Avx2::detect`] only.
 #[derive(Clone, Copy)]
 pub(crate) struct Avx2(());
 
 impl Avx2 {
     pub(super) fn detect() -> Option<Self> {
-        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Avx2(()))
+        let wide = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+        let bits = is_x86_feature_detected!("bmi1") && is_x86_feature_detected!("popcnt");
+        (wide && bits).then_some(Avx2(()))
     }
 
     pub(super) fn any<P: Packet>(self, tree: &Hierarchy<P>, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {
-        #[target_feature(enable = "avx2,fma")]
+        #[target_feature(enable = "avx2,fma,bmi1,popcnt")]
         fn compiled<P: Packet>(kernel: Avx2, tree: &Hierarchy<P>, ray: &TracedRay, t: f32, stack: &mut Stack) -> bool {
             traverse::any(kernel, tree, ray, t, stack)
         }
@@ -31,7 +33,7 @@ impl Avx2 {
         t_max: f32,
         stack: &mut Stack,
     ) -> Option<(Found, Id)> {
-        #[target_feature(enable = "avx2,fma")]
+        #[target_feature(enable = "avx2,fma,bmi1,popcnt")]
         fn compiled<P: Packet>(
             kernel: Avx2,
             tree: &Hierarchy<P>,
@@ -67,15 +69,15 @@ impl Kernel for Avx2 {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
 fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
     let (mut near, mut far) = (_mm256_set1_ps(ray.t_min), _mm256_set1_ps(t_max));
     for axis in 0..3 {
         let origin = _mm256_set1_ps(ray.origin[axis]);
         let inverse = _mm256_set1_ps(ray.inverse[axis]);
         let slack = _mm256_set1_ps(ray.slack[axis]);
-        let first = load(&node.corners[ray.negative[axis]][axis]);
-        let last = load(&node.corners[1 - ray.negative[axis]][axis]);
+        let first = load(&node.corners[usize::from(ray.negative[axis])][axis]);
+        let last = load(&node.corners[usize::from(!ray.negative[axis])][axis]);
         let first = _mm256_fmsub_ps(_mm256_sub_ps(first, origin), inverse, slack);
         let last = _mm256_fmadd_ps(_mm256_sub_ps(last, origin), inverse, slack);
         // The second operand is kept where the first is not a number: it cuts nothing off.
@@ -89,7 +91,7 @@ fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
 fn straddling(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
     let [a, b, c] = [sheared(&corners[0], ray), sheared(&corners[1], ray), sheared(&corners[2], ray)];
     let [u, v, w] = [edge(c, b), edge(a, c), edge(b, a)];
@@ -104,12 +106,12 @@ fn straddling(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
 
 /// The first two of the coordinates that [`TracedRay::shear`] gives.
 #[inline]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
 fn sheared(corner: &[[f32; LANES]; 3], ray: &TracedRay) -> [__m256; 2] {
     let [x, y, z] = ray.axes;
-    let z = _mm256_sub_ps(load(&corner[z]), _mm256_set1_ps(ray.origin[z]));
-    let x = _mm256_sub_ps(load(&corner[x]), _mm256_set1_ps(ray.origin[x]));
-    let y = _mm256_sub_ps(load(&corner[y]), _mm256_set1_ps(ray.origin[y]));
+    let z = _mm256_sub_ps(load(&corner[z as usize]), _mm256_set1_ps(ray.start[2]));
+    let x = _mm256_sub_ps(load(&corner[x as usize]), _mm256_set1_ps(ray.start[0]));
+    let y = _mm256_sub_ps(load(&corner[y as usize]), _mm256_set1_ps(ray.start[1]));
     [
         _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(ray.slopes[0]), z)),
         _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(ray.slopes[1]), z)),
@@ -117,13 +119,13 @@ fn sheared(corner: &[[f32; LANES]; 3], ray: &TracedRay) -> [__m256; 2] {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
 fn edge(p: [__m256; 2], q: [__m256; 2]) -> __m256 {
     _mm256_sub_ps(_mm256_mul_ps(p[0], q[1]), _mm256_mul_ps(p[1], q[0]))
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
 fn push(children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
     let order = &FRONT[mask as usize & (FRONT.len() - 1)];
     // SAFETY: a `Child` is a transparent `u32`, and all three arrays hold eight elements.
@@ -135,7 +137,7 @@ fn push(children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
 fn load(lanes: &[f32; LANES]) -> __m256 {
     // SAFETY: the array holds the eight lanes that are read.
     unsafe { _mm256_loadu_ps(lanes.as_ptr()) }

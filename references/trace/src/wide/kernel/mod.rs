@@ -30,8 +30,8 @@ pub(crate) struct BoxRay {
     origin: Vec3,
     inverse: Vec3,
     slack: Vec3,
-    /// 1 where the direction is negative: the box corner that the ray meets first.
-    negative: [usize; 3],
+    /// Where the direction is negative, the ray meets the box's highest corner first.
+    negative: [bool; 3],
     t_min: f32,
 }
 
@@ -42,7 +42,7 @@ impl BoxRay {
             origin: ray.origin,
             inverse: ray.inverse,
             slack: ray.slack(bounds),
-            negative: ray.inverse.to_array().map(|v| usize::from(v < 0.0)),
+            negative: ray.inverse.to_array().map(|v| v < 0.0),
             t_min: ray.t_min,
         }
     }

@@ -13,8 +13,8 @@ impl Kernel for Scalar {
         let (mut nears, mut fars) = ([ray.t_min; LANES], [t_max; LANES]);
         for axis in 0..3 {
             let distance = |plane: f32| (plane - ray.origin[axis]) * ray.inverse[axis];
-            let first = &node.corners[ray.negative[axis]][axis];
-            let last = &node.corners[1 - ray.negative[axis]][axis];
+            let first = &node.corners[usize::from(ray.negative[axis])][axis];
+            let last = &node.corners[usize::from(!ray.negative[axis])][axis];
             for lane in 0..LANES {
                 let near = distance(first[lane]) - ray.slack[axis];
                 let far = distance(last[lane]) + ray.slack[axis];
@@ -28,11 +28,14 @@ impl Kernel for Scalar {
 
     #[inline(always)]
     fn straddling(self, corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
-        let [x, y, z] = ray.axes;
+        let [x, y, z] = ray.axes.map(|axis| axis as usize);
         mask(|lane| {
             let [a, b, c] = [0, 1, 2].map(|corner: usize| {
-                let p = [x, y, z].map(|axis| corners[corner][axis][lane] - ray.origin[axis]);
-                [p[0] - ray.slopes[0] * p[2], p[1] - ray.slopes[1] * p[2]]
+                let corner = &corners[corner];
+                let z = corner[z][lane] - ray.start[2];
+                let x = corner[x][lane] - ray.start[0];
+                let y = corner[y][lane] - ray.start[1];
+                [x - ray.slopes[0] * z, y - ray.slopes[1] * z]
             });
             let edges = [[c, b], [a, c], [b, a]].map(|[p, q]| p[0] * q[1] - p[1] * q[0]);
             !(edges.iter().any(|e| *e < 0.0) && edges.iter().any(|e| *e > 0.0))
