@@ -1,4 +1,4 @@
-//! Collapses obvhs's binary tree into nodes of eight.
+//! Writes obvhs's binary tree down as nodes of eight.
 
 use std::time::Duration;
 
@@ -6,9 +6,9 @@ use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
-use obvhs::bvh2::node::Bvh2Node;
 use obvhs::{Boundable, BvhBuildParams};
 
+use super::collapse::{Part, Plan};
 use super::kernel::Level;
 use super::{Child, Hierarchy, Id, LANES, Node, Packet};
 
@@ -18,72 +18,76 @@ pub(super) fn build<P: Packet>(items: &[(P::Primitive, Id)], level: Level) -> Hi
         let (nodes, packets, ids) = (Vec::new(), Vec::new(), Vec::new());
         return Hierarchy { nodes, packets, ids, bounds: [Vec3::ZERO; 2], waiting: 0, level };
     }
-    let params = BvhBuildParams { max_prims_per_leaf: LANES as u32, ..BvhBuildParams::medium_build() };
+    let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
     let bvh = build_bvh2(&boxes, params, &mut Duration::default());
     let Aabb { min, max } = *bvh.nodes[0].aabb();
-    let mut collapse = Collapse { items, bvh: &bvh, nodes: Vec::new(), packets: Vec::new(), ids: Vec::new() };
-    let depth = collapse.run();
-    let Collapse { nodes, packets, ids, .. } = collapse;
+    let plan = Plan::new(&bvh);
+    let mut writer = Writer { items, bvh: &bvh, plan: &plan, nodes: Vec::new(), packets: Vec::new(), ids: Vec::new() };
+    let depth = writer.write();
+    let Writer { nodes, packets, ids, .. } = writer;
     // Each node on a path leaves all but one of its children waiting; pushing writes `LANES` entries at once.
     let waiting = (depth + 1) * LANES;
     Hierarchy { nodes, packets, ids, bounds: [min.into(), max.into()], waiting, level }
 }
 
-struct Collapse<'a, P: Packet> {
+struct Writer<'a, P: Packet> {
     items: &'a [(P::Primitive, Id)],
     bvh: &'a Bvh2,
+    plan: &'a Plan<'a>,
     nodes: Vec<Node>,
     packets: Vec<P>,
     ids: Vec<Id>,
 }
 
-impl<P: Packet> Collapse<'_, P> {
-    /// Levels of nodes. With a list of its own: a chain of coincident primitives would exhaust the call stack.
-    fn run(&mut self) -> usize {
+impl<P: Packet> Writer<'_, P> {
+    /// Returns the levels of nodes. A list of its own, since a chain of coincident primitives could exhaust the call
+    /// stack.
+    fn write(&mut self) -> usize {
         self.nodes.push(Node::EMPTY);
-        let mut open = vec![(0, &self.bvh.nodes[0], 1)];
-        let mut depth = 0;
+        let root = self.plan.root();
+        let mut open = Vec::new();
+        let mut depth = 1;
+        match root {
+            Part::Node(index) => open.push((0, index, 1)),
+            Part::Leaf(_) => self.fill(0, vec![root], 1, &mut open),
+        }
         while let Some((at, below, level)) = open.pop() {
             depth = depth.max(level);
-            for (lane, binary) in children(self.bvh, below).into_iter().enumerate() {
-                let child = if binary.is_leaf() {
-                    self.leaf(binary)
-                } else {
-                    self.nodes.push(Node::EMPTY);
-                    open.push((self.nodes.len() - 1, binary, level + 1));
-                    Child::node(self.nodes.len() - 1)
-                };
-                self.nodes[at].set(lane, binary.aabb(), child);
-            }
+            self.fill(at, self.plan.children(below), level, &mut open);
         }
         depth
     }
 
-    fn leaf(&mut self, leaf: &Bvh2Node) -> Child {
-        let first = leaf.first_index as usize;
-        let indices = &self.bvh.primitive_indices[first..first + leaf.prim_count as usize];
-        let (primitives, mut ids): (Vec<_>, Vec<_>) = indices.iter().map(|&i| self.items[i as usize]).unzip();
+    /// Smallest first, since a stack hands out the last, and the largest is the likeliest to block.
+    fn fill(&mut self, at: usize, mut children: Vec<Part>, level: usize, open: &mut Vec<(usize, u32, usize)>) {
+        let bvh = self.bvh;
+        let aabb = |part: &Part| match part {
+            Part::Leaf(index) | Part::Node(index) => *bvh.nodes[*index as usize].aabb(),
+        };
+        children.sort_by(|a, b| aabb(a).half_area().total_cmp(&aabb(b).half_area()));
+        for (lane, part) in children.iter().enumerate() {
+            let aabb = aabb(part);
+            let child = match *part {
+                Part::Leaf(index) => self.leaf(index),
+                Part::Node(index) => {
+                    self.nodes.push(Node::EMPTY);
+                    open.push((self.nodes.len() - 1, index, level + 1));
+                    Child::node(self.nodes.len() - 1)
+                }
+            };
+            self.nodes[at].set(lane, &aabb, child);
+        }
+    }
+
+    fn leaf(&mut self, index: u32) -> Child {
+        let items = self.plan.primitives(index).into_iter().map(|i| self.items[i as usize]);
+        let (primitives, mut ids): (Vec<_>, Vec<_>) = items.unzip();
         let child = Child::packet(self.packets.len(), primitives.len());
         self.packets.push(P::pack(&primitives));
         ids.resize(LANES, ids[0]);
         self.ids.extend(ids);
         child
     }
-}
-
-/// Up to [`LANES`] descendants that cover `node`: the largest is opened until none can be. Smallest first, since
-/// a stack hands out the last, and the largest is the likeliest to block.
-fn children<'a>(bvh: &'a Bvh2, node: &'a Bvh2Node) -> Vec<&'a Bvh2Node> {
-    let area = |node: &&Bvh2Node| node.aabb().half_area();
-    let mut children = vec![node];
-    while children.len() < LANES {
-        let inner = (0..children.len()).filter(|&i| !children[i].is_leaf());
-        let Some(largest) = inner.max_by(|&a, &b| area(&children[a]).total_cmp(&area(&children[b]))) else { break };
-        let first = children.swap_remove(largest).first_index as usize;
-        children.extend(&bvh.nodes[first..first + 2]);
-    }
-    children.sort_by(|a, b| area(a).total_cmp(&area(b)));
-    children
 }
 
 impl Node {

@@ -1,6 +1,7 @@
 //! An 8-wide bounding volume hierarchy over one kind of primitive: built by obvhs, collapsed and traversed here.
 
 mod build;
+mod collapse;
 mod kernel;
 mod traverse;
 

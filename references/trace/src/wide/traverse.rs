@@ -22,9 +22,14 @@ pub(super) fn any<P: Packet, K: Kernel>(
             Opened::Node(index) => {
                 let node = &tree.nodes[index];
                 let entered = kernel.enter(node, &boxes, t_max).0 & node.occupied;
-                let room = waiting[top..].first_chunk_mut().expect("room for one more node, by the tree's depth");
-                kernel.push(&node.children, entered, room);
-                top += entered.count_ones() as usize;
+                if entered != 0 {
+                    // The last one is taken at once, without the detour through memory.
+                    let room = waiting[top..].first_chunk_mut().expect("room for one more node, by the tree's depth");
+                    kernel.push(&node.children, entered, room);
+                    top += entered.count_ones() as usize - 1;
+                    child = node.children[(entered.ilog2() as usize) % LANES];
+                    continue;
+                }
             }
             Opened::Packet { index, lanes } => {
                 let packet = &tree.packets[index];

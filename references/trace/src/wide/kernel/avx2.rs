@@ -13,12 +13,13 @@ pub(crate) struct Avx2(());
 impl Avx2 {
     pub(super) fn detect() -> Option<Self> {
         let wide = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-        let bits = is_x86_feature_detected!("bmi1") && is_x86_feature_detected!("popcnt");
+        let bits =
+            is_x86_feature_detected!("bmi1") && is_x86_feature_detected!("lzcnt") && is_x86_feature_detected!("popcnt");
         (wide && bits).then_some(Avx2(()))
     }
 
     pub(super) fn any<P: Packet>(self, tree: &Hierarchy<P>, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {
-        #[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+        #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
         fn compiled<P: Packet>(kernel: Avx2, tree: &Hierarchy<P>, ray: &TracedRay, t: f32, stack: &mut Stack) -> bool {
             traverse::any(kernel, tree, ray, t, stack)
         }
@@ -33,7 +34,7 @@ impl Avx2 {
         t_max: f32,
         stack: &mut Stack,
     ) -> Option<(Found, Id)> {
-        #[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+        #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
         fn compiled<P: Packet>(
             kernel: Avx2,
             tree: &Hierarchy<P>,
@@ -69,7 +70,7 @@ impl Kernel for Avx2 {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
 fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
     let (mut near, mut far) = (_mm256_set1_ps(ray.t_min), _mm256_set1_ps(t_max));
     for axis in 0..3 {
@@ -91,7 +92,7 @@ fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
 fn straddling(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
     let [a, b, c] = [sheared(&corners[0], ray), sheared(&corners[1], ray), sheared(&corners[2], ray)];
     let [u, v, w] = [edge(c, b), edge(a, c), edge(b, a)];
@@ -106,7 +107,7 @@ fn straddling(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
 
 /// The first two of the coordinates that [`TracedRay::shear`] gives.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
 fn sheared(corner: &[[f32; LANES]; 3], ray: &TracedRay) -> [__m256; 2] {
     let [x, y, z] = ray.axes;
     let z = _mm256_sub_ps(load(&corner[z as usize]), _mm256_set1_ps(ray.start[2]));
@@ -119,13 +120,13 @@ fn sheared(corner: &[[f32; LANES]; 3], ray: &TracedRay) -> [__m256; 2] {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
 fn edge(p: [__m256; 2], q: [__m256; 2]) -> __m256 {
     _mm256_sub_ps(_mm256_mul_ps(p[0], q[1]), _mm256_mul_ps(p[1], q[0]))
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
 fn push(children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
     let order = &FRONT[mask as usize & (FRONT.len() - 1)];
     // SAFETY: a `Child` is a transparent `u32`, and all three arrays hold eight elements.
@@ -137,7 +138,7 @@ fn push(children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
 fn load(lanes: &[f32; LANES]) -> __m256 {
     // SAFETY: the array holds the eight lanes that are read.
     unsafe { _mm256_loadu_ps(lanes.as_ptr()) }
