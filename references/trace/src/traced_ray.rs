@@ -37,7 +37,7 @@ pub(crate) enum Axis {
 
 impl TracedRay {
     /// Nothing for a ray that is not finite or has no direction.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(origin: Vec3, direction: Vec3, t_min: f32) -> Option<Self> {
         let d = direction.to_array();
         let least = direction.abs().max_element() * LEAST_SLOPE;
@@ -47,8 +47,10 @@ impl TracedRay {
         let inverse = direction.abs().max(Vec3::splat(least)).copysign(direction).recip();
         let axes = permuted(direction);
         let [x, y, z] = axes.map(|axis| axis as usize);
-        let slopes = [d[x] * inverse[z], d[y] * inverse[z], inverse[z]];
-        Some(TracedRay { origin, direction, t_min, inverse, axes, start: [origin[x], origin[y], origin[z]], slopes })
+        let steepest = inverse.to_array()[z];
+        let slopes = [d[x] * steepest, d[y] * steepest, steepest];
+        let start = origin.to_array();
+        Some(TracedRay { origin, direction, t_min, inverse, axes, start: [start[x], start[y], start[z]], slopes })
     }
 
     /// By how much plane distances must give way so that no box within `bounds` is missed whose triangles are hit:
@@ -56,7 +58,7 @@ impl TracedRay {
     #[inline(always)]
     pub(crate) fn slack(&self, bounds: &[Vec3; 2]) -> Vec3 {
         let reach = (bounds[0] - self.origin).abs().max((bounds[1] - self.origin).abs());
-        (reach + reach[self.axes[2] as usize]) * ROUNDING * self.inverse.abs()
+        (reach + reach.to_array()[self.axes[2] as usize]) * ROUNDING * self.inverse.abs()
     }
 
     /// A point, given along the permuted axes, in the space where the ray starts at the origin and runs along +z with
@@ -69,11 +71,13 @@ impl TracedRay {
     }
 }
 
+/// By table: the choice is as good as random, and a wrongly guessed branch costs more than it all.
+#[inline(always)]
 fn permuted(direction: Vec3) -> [Axis; 3] {
-    let [x, y, z] = match direction.abs().max_position() {
-        0 => [Axis::Y, Axis::Z, Axis::X],
-        1 => [Axis::Z, Axis::X, Axis::Y],
-        _ => [Axis::X, Axis::Y, Axis::Z],
-    };
-    if direction[z as usize] < 0.0 { [y, x, z] } else { [x, y, z] }
+    use Axis::{X, Y, Z};
+    const AXES: [[[Axis; 3]; 2]; 3] = [[[Y, Z, X], [Z, Y, X]], [[Z, X, Y], [X, Z, Y]], [[X, Y, Z], [Y, X, Z]]];
+    let size = direction.abs();
+    let z = if size.y > size.x { Y } else { X };
+    let z = if size.z > size.x.max(size.y) { Z } else { z };
+    AXES[z as usize][usize::from(direction.to_array()[z as usize] < 0.0)]
 }

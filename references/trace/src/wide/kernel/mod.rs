@@ -42,7 +42,7 @@ impl BoxRay {
             origin: ray.origin,
             inverse: ray.inverse,
             slack: ray.slack(bounds),
-            negative: ray.inverse.to_array().map(|v| v < 0.0),
+            negative: ray.inverse.to_array().map(f32::is_sign_negative),
             t_min: ray.t_min,
         }
     }
