@@ -3,6 +3,8 @@
 mod build;
 mod collapse;
 mod kernel;
+#[cfg(test)]
+mod tests;
 mod traverse;
 
 use glam::Vec3;

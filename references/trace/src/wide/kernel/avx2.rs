@@ -7,7 +7,7 @@ use super::{BoxRay, Kernel};
 use crate::traced_ray::TracedRay;
 
 /// Proof that AVX2, FMA and the instructions that count bits are there: made by [`Avx2::detect`] only.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx2(());
 
 impl Avx2 {
@@ -69,9 +69,10 @@ impl Kernel for Avx2 {
     }
 }
 
+/// Where the ray enters and leaves the boxes.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
-fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
+pub(super) fn interval(node: &Node, ray: &BoxRay, t_max: f32) -> (__m256, __m256) {
     let (mut near, mut far) = (_mm256_set1_ps(ray.t_min), _mm256_set1_ps(t_max));
     for axis in 0..3 {
         let origin = _mm256_set1_ps(ray.origin[axis]);
@@ -85,20 +86,35 @@ fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
         near = _mm256_max_ps(first, near);
         far = _mm256_min_ps(last, far);
     }
+    (near, far)
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
+    let (near, far) = interval(node, ray, t_max);
     let mut nears = [0.0; LANES];
     // SAFETY: the array holds the eight lanes that are written.
     unsafe { _mm256_storeu_ps(nears.as_mut_ptr(), near) };
     (_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32, nears)
 }
 
+/// The lowest and the highest of each triangle's edge functions.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
-fn straddling(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
+pub(super) fn extremes(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> (__m256, __m256) {
     let [a, b, c] = [sheared(&corners[0], ray), sheared(&corners[1], ray), sheared(&corners[2], ray)];
     let [u, v, w] = [edge(c, b), edge(a, c), edge(b, a)];
     // What is not a number falls out of the extremes or makes the comparison fail: it rejects nothing.
     let lowest = _mm256_min_ps(_mm256_min_ps(u, v), w);
     let highest = _mm256_max_ps(_mm256_max_ps(u, v), w);
+    (lowest, highest)
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+fn straddling(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
+    let (lowest, highest) = extremes(corners, ray);
     let zero = _mm256_setzero_ps();
     let below = _mm256_cmp_ps::<_CMP_LT_OQ>(lowest, zero);
     let above = _mm256_cmp_ps::<_CMP_GT_OQ>(highest, zero);

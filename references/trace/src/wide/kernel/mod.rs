@@ -2,6 +2,8 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod scalar;
 
 use glam::Vec3;
@@ -49,23 +51,28 @@ impl BoxRay {
 }
 
 /// The kernels of this machine, one of which is chosen when a hierarchy is built.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Level {
     Scalar(scalar::Scalar),
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(avx512::Avx512),
 }
 
 impl Level {
+    /// The fastest that this machine can run.
     pub(super) fn of_this_machine() -> Self {
         Self::all().pop().expect("the scalar kernel runs everywhere")
     }
 
     /// Every kernel that this machine can run, the fastest last.
-    fn all() -> Vec<Self> {
+    pub(super) fn all() -> Vec<Self> {
         let mut all = vec![Level::Scalar(scalar::Scalar)];
         #[cfg(target_arch = "x86_64")]
         all.extend(avx2::Avx2::detect().map(Level::Avx2));
+        #[cfg(target_arch = "x86_64")]
+        all.extend(avx512::Avx512::detect().map(Level::Avx512));
         all
     }
 
@@ -74,6 +81,8 @@ impl Level {
             Level::Scalar(kernel) => super::traverse::any(kernel, tree, ray, t_max, stack),
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(kernel) => kernel.any(tree, ray, t_max, stack),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(kernel) => kernel.any(tree, ray, t_max, stack),
         }
     }
 
@@ -88,6 +97,8 @@ impl Level {
             Level::Scalar(kernel) => super::traverse::closest(kernel, tree, ray, t_max, stack),
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(kernel) => kernel.closest(tree, ray, t_max, stack),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(kernel) => kernel.closest(tree, ray, t_max, stack),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::super::{Child, LANES, Node};
 use super::{BoxRay, Kernel};
 use crate::traced_ray::TracedRay;
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Scalar;
 
 impl Kernel for Scalar {
