@@ -68,12 +68,11 @@ impl Level {
 
     /// Every kernel that this machine can run, the fastest last.
     pub(super) fn all() -> Vec<Self> {
-        let mut all = vec![Level::Scalar(scalar::Scalar)];
         #[cfg(target_arch = "x86_64")]
-        all.extend(avx2::Avx2::detect().map(Level::Avx2));
-        #[cfg(target_arch = "x86_64")]
-        all.extend(avx512::Avx512::detect().map(Level::Avx512));
-        all
+        let wider = [avx2::Avx2::detect().map(Level::Avx2), avx512::Avx512::detect().map(Level::Avx512)];
+        #[cfg(not(target_arch = "x86_64"))]
+        let wider = [None];
+        [Some(Level::Scalar(scalar::Scalar))].into_iter().chain(wider).flatten().collect()
     }
 
     pub(super) fn any<P: Packet>(self, tree: &Hierarchy<P>, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {
