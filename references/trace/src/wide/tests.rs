@@ -144,3 +144,13 @@ fn the_tree_holds_every_primitive_once_and_fills_its_nodes() {
         assert!(nodes == 1 || children >= 5 * nodes, "{children} children in {nodes} nodes");
     }
 }
+
+#[test]
+fn of_tied_hits_the_first_in_the_tree_counts() {
+    for level in Level::all() {
+        let tree = hierarchy(&vec![Triangle([Vec3::ZERO, Vec3::X, Vec3::Y]); 200], level);
+        let ray = TracedRay::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z, 0.0).unwrap();
+        let (_, id) = tree.closest(&ray, f32::INFINITY, &mut Stack::default()).unwrap();
+        assert_eq!(id, tree.ids[0], "{level:?}");
+    }
+}
