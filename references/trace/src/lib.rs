@@ -5,10 +5,10 @@
 //! without touching them. Nothing here has an absolute epsilon: a scene scaled by any factor that `f32` can
 //! hold gives the same hits, and what lies at the very start of a ray is left out by its `t_min`.
 
-mod hierarchy;
 mod sphere;
 mod traced_ray;
 mod triangle;
+mod wide;
 mod world;
 
 pub use sphere::Sphere;

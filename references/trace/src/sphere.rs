@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::hierarchy::{Found, Primitive};
 use crate::traced_ray::TracedRay;
+use crate::wide::{ALL_LANES, Found, Kernel, LANES, Packet};
 
 /// A sphere in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,23 +16,38 @@ pub struct Sphere {
 
 impl Sphere {
     pub(crate) fn is_proper(&self) -> bool {
-        let (low, high) = self.bounds();
+        let [low, high] = SpherePacket::bounds(self);
         self.radius > 0.0 && low.is_finite() && high.is_finite()
     }
 }
 
-impl Primitive for Sphere {
-    fn bounds(&self) -> (Vec3, Vec3) {
-        (self.center - self.radius, self.center + self.radius)
+/// Up to [`LANES`] spheres, each a candidate for every ray that reaches them.
+pub(crate) struct SpherePacket([Sphere; LANES]);
+
+impl Packet for SpherePacket {
+    type Primitive = Sphere;
+
+    fn bounds(sphere: &Sphere) -> [Vec3; 2] {
+        [sphere.center - sphere.radius, sphere.center + sphere.radius]
+    }
+
+    fn pack(spheres: &[Sphere]) -> Self {
+        SpherePacket(std::array::from_fn(|lane| *spheres.get(lane).unwrap_or(&spheres[0])))
+    }
+
+    #[inline(always)]
+    fn candidates<K: Kernel>(&self, _: K, _: &TracedRay) -> u32 {
+        ALL_LANES
     }
 
     /// In `f64`, with the discriminant from the distance between centre and ray and the roots from `q`, so that
     /// neither a far nor a huge sphere cancels (Haines et al. 2019, "Precision improvements for ray/sphere
     /// intersection"). A ray that only touches the sphere misses it.
-    fn hit(&self, ray: &TracedRay, t_max: f32) -> Option<Found> {
+    fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32) -> Option<Found> {
+        let Sphere { center, radius } = self.0[lane];
         let direction = ray.direction.as_dvec3();
-        let radius = f64::from(self.radius);
-        let from_center = ray.origin.as_dvec3() - self.center.as_dvec3();
+        let radius = f64::from(radius);
+        let from_center = ray.origin.as_dvec3() - center.as_dvec3();
         let a = direction.length_squared();
         let b = -from_center.dot(direction);
         let squared_gap = (from_center + direction * (b / a)).length_squared();

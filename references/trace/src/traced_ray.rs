@@ -2,61 +2,82 @@
 
 use glam::Vec3;
 
-/// Widens the far end of a box's interval so that rounding never culls a box that the ray touches
-/// (three roundings on either side: Ize 2013, "Robust BVH ray traversal").
-const FAR_WIDENING: f32 = 1.0 + 8.0 * (f32::EPSILON / 2.0);
+/// Bounds, relative to a coordinate's distance from the ray's start, what rounding may add up to between a box's
+/// planes and the sheared corners of a triangle inside: four roundings for the shear, six for the planes, and some
+/// to spare (Woop, Benthin and Wald 2013, section 4).
+const ROUNDING: f32 = 16.0 * (f32::EPSILON / 2.0);
+
+/// Direction components below this fraction of the largest count as that fraction, far below [`ROUNDING`]: no
+/// plane distance is then `0·∞`, and a ray parallel to a plane keeps to its side.
+const LEAST_SLOPE: f32 = 1.0 / (1u64 << 40) as f32;
 
 /// A ray prepared for many tests.
+#[derive(Clone, Copy)]
 pub(crate) struct TracedRay {
     pub(crate) origin: Vec3,
     pub(crate) direction: Vec3,
     pub(crate) t_min: f32,
-    inverse: [f32; 3],
-    /// 1 where the direction is negative: the box corner that the ray meets first.
-    negative: [usize; 3],
+    /// Reciprocal direction, finite.
+    pub(crate) inverse: Vec3,
     /// Axes permuted so that the last is the direction's largest and winding is kept.
-    axes: [usize; 3],
-    shear: Vec3,
+    pub(crate) axes: [Axis; 3],
+    /// The origin along these axes.
+    pub(crate) start: [f32; 3],
+    /// Slopes against the last axis, and its reciprocal direction.
+    pub(crate) slopes: [f32; 3],
+}
+
+/// An index that needs no bounds check.
+#[derive(Clone, Copy)]
+pub(crate) enum Axis {
+    X,
+    Y,
+    Z,
 }
 
 impl TracedRay {
-    pub(crate) fn new(origin: Vec3, direction: Vec3, t_min: f32) -> Self {
+    /// Nothing for a ray that is not finite or has no direction.
+    #[inline(always)]
+    pub(crate) fn new(origin: Vec3, direction: Vec3, t_min: f32) -> Option<Self> {
         let d = direction.to_array();
-        let z = direction.abs().max_position();
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if d[z] < 0.0 {
-            std::mem::swap(&mut x, &mut y);
+        let least = direction.abs().max_element() * LEAST_SLOPE;
+        if !(origin.is_finite() && direction.is_finite() && least > 0.0) {
+            return None;
         }
-        TracedRay {
-            origin,
-            direction,
-            t_min,
-            inverse: d.map(|v| 1.0 / v),
-            negative: d.map(|v| usize::from(v.is_sign_negative())),
-            axes: [x, y, z],
-            shear: Vec3::new(d[x] / d[z], d[y] / d[z], 1.0 / d[z]),
-        }
+        let inverse = direction.abs().max(Vec3::splat(least)).copysign(direction).recip();
+        let axes = permuted(direction);
+        let [x, y, z] = axes.map(|axis| axis as usize);
+        let steepest = inverse.to_array()[z];
+        let slopes = [d[x] * steepest, d[y] * steepest, steepest];
+        let start = origin.to_array();
+        Some(TracedRay { origin, direction, t_min, inverse, axes, start: [start[x], start[y], start[z]], slopes })
     }
 
-    /// Distance at which the ray enters a box given by its two corners, if it does so before `t_max`.
-    ///
-    /// A ray within a face gives `0·∞ = NaN`; the comparisons below then keep the interval, so it counts as inside.
-    pub(crate) fn enter(&self, corners: &[[f32; 3]; 2], t_max: f32) -> Option<f32> {
-        let (mut near, mut far) = (self.t_min, t_max);
-        for axis in 0..3 {
-            let first = (corners[self.negative[axis]][axis] - self.origin[axis]) * self.inverse[axis];
-            let last = (corners[1 - self.negative[axis]][axis] - self.origin[axis]) * self.inverse[axis] * FAR_WIDENING;
-            near = if first > near { first } else { near };
-            far = if last < far { last } else { far };
-        }
-        (near <= far).then_some(near)
+    /// By how much plane distances must give way so that no box within `bounds` is missed whose triangles are hit:
+    /// the shear moves corners along its first two axes by what the third carries into them.
+    #[inline(always)]
+    pub(crate) fn slack(&self, bounds: &[Vec3; 2]) -> Vec3 {
+        let reach = (bounds[0] - self.origin).abs().max((bounds[1] - self.origin).abs());
+        (reach + reach.to_array()[self.axes[2] as usize]) * ROUNDING * self.inverse.abs()
     }
 
-    /// A point in the space where the ray starts at the origin and runs along +z with unit speed
-    /// (Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection").
-    pub(crate) fn shear(&self, point: Vec3) -> Vec3 {
-        let p = point - self.origin;
-        let [x, y, z] = self.axes;
-        Vec3::new(p[x] - self.shear.x * p[z], p[y] - self.shear.y * p[z], self.shear.z * p[z])
+    /// A point, given along the permuted axes, in the space where the ray starts at the origin and runs along +z with
+    /// unit speed (Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection").
+    #[inline(always)]
+    pub(crate) fn shear(&self, point: [f32; 3]) -> [f64; 3] {
+        let [x, y, z] = [point[0] - self.start[0], point[1] - self.start[1], point[2] - self.start[2]];
+        let sheared = [x - self.slopes[0] * z, y - self.slopes[1] * z, self.slopes[2] * z];
+        [f64::from(sheared[0]), f64::from(sheared[1]), f64::from(sheared[2])]
     }
+}
+
+/// By table: the choice is as good as random, and a wrongly guessed branch costs more than it all.
+#[inline(always)]
+fn permuted(direction: Vec3) -> [Axis; 3] {
+    use Axis::{X, Y, Z};
+    const AXES: [[[Axis; 3]; 2]; 3] = [[[Y, Z, X], [Z, Y, X]], [[Z, X, Y], [X, Z, Y]], [[X, Y, Z], [Y, X, Z]]];
+    let size = direction.abs();
+    let z = if size.y > size.x { Y } else { X };
+    let z = if size.z > size.x.max(size.y) { Z } else { z };
+    AXES[z as usize][usize::from(direction.to_array()[z as usize] < 0.0)]
 }

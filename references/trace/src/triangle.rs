@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::hierarchy::{Found, Primitive};
 use crate::traced_ray::TracedRay;
+use crate::wide::{Found, Kernel, LANES, Packet};
 
 #[derive(Clone, Copy)]
 pub(crate) struct Triangle(pub(crate) [Vec3; 3]);
@@ -17,24 +17,51 @@ impl Triangle {
     }
 }
 
-impl Primitive for Triangle {
-    fn bounds(&self) -> (Vec3, Vec3) {
-        let [a, b, c] = self.0;
-        (a.min(b).min(c), a.max(b).max(c))
+/// Up to [`LANES`] triangles. Which of them a ray may hit is told at once; the few that remain are decided one by
+/// one in `f64`, so every kernel gives the same bits.
+#[repr(C, align(64))]
+pub(crate) struct TrianglePacket {
+    /// By corner, axis and lane; lanes without a triangle repeat the first.
+    pub(crate) corners: [[[f32; LANES]; 3]; 3],
+}
+
+impl Packet for TrianglePacket {
+    type Primitive = Triangle;
+
+    fn bounds(triangle: &Triangle) -> [Vec3; 2] {
+        let [a, b, c] = triangle.0;
+        [a.min(b).min(c), a.max(b).max(c)]
+    }
+
+    fn pack(triangles: &[Triangle]) -> Self {
+        let of_lane = |lane: usize| triangles.get(lane).unwrap_or(&triangles[0]);
+        let corners =
+            [0, 1, 2].map(|corner| [0, 1, 2].map(|axis| std::array::from_fn(|lane| of_lane(lane).0[corner][axis])));
+        TrianglePacket { corners }
+    }
+
+    #[inline(always)]
+    fn candidates<K: Kernel>(&self, kernel: K, ray: &TracedRay) -> u32 {
+        kernel.straddling(&self.corners, ray)
     }
 
     /// The edge functions are taken in `f64`, where products of two `f32` are exact and the sign of their difference
     /// too: triangles that share an edge agree on which side of it a ray passes, and none is missed by both.
-    fn hit(&self, ray: &TracedRay, t_max: f32) -> Option<Found> {
-        let [a, b, c] = self.0.map(|corner| ray.shear(corner).as_dvec3());
-        let u = c.x * b.y - c.y * b.x;
-        let v = a.x * c.y - a.y * c.x;
-        let w = b.x * a.y - b.y * a.x;
+    #[inline(always)]
+    fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32) -> Option<Found> {
+        let [x, y, z] = ray.axes;
+        let sheared = |corner: &[[f32; LANES]; 3]| {
+            ray.shear([corner[x as usize][lane], corner[y as usize][lane], corner[z as usize][lane]])
+        };
+        let [a, b, c] = [sheared(&self.corners[0]), sheared(&self.corners[1]), sheared(&self.corners[2])];
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
         let sum = u + v + w;
-        let t = ((u * a.z + v * b.z + w * c.z) / sum) as f32;
+        let t = ((u * a[2] + v * b[2] + w * c[2]) / sum) as f32;
         // Seen edge-on `sum` is 0 and `t` not a number: the comparison fails.
         (t > ray.t_min && t < t_max).then(|| Found { t, barycentrics: [(v / sum) as f32, (w / sum) as f32] })
     }

@@ -3,10 +3,10 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::Sphere;
-use crate::hierarchy::{Hierarchy, Id};
+use crate::sphere::{Sphere, SpherePacket};
 use crate::traced_ray::TracedRay;
-use crate::triangle::Triangle;
+use crate::triangle::{Triangle, TrianglePacket};
+use crate::wide::{Hierarchy, Id, Stack};
 
 /// One geometry of a [`World`], borrowed while the world is built.
 #[derive(Clone, Copy, Debug)]
@@ -53,8 +53,8 @@ const CHUNK: usize = 512;
 
 /// Geometry ready to be traced. Rays that are not finite hit nothing.
 pub struct World {
-    triangles: Hierarchy<Triangle>,
-    spheres: Hierarchy<Sphere>,
+    triangles: Hierarchy<TrianglePacket>,
+    spheres: Hierarchy<SpherePacket>,
 }
 
 impl World {
@@ -70,18 +70,16 @@ impl World {
     /// For each ray, whether anything lies on its segment. Uses all cores when the batch is large.
     /// `blocked` has the length of `rays`.
     pub fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        in_chunks(rays, blocked, |ray, stack| {
-            self.any(&TracedRay::new(ray.origin, ray.direction, ray.t_min), ray.t_max, stack)
-        });
+        in_chunks(rays, blocked, |ray, stack| self.any(ray, stack));
     }
 
     /// Occlusion of a bundle of rays that leave one receiver, on the calling thread.
     /// `blocked` has the length of `directions`.
     pub fn occluded_from(&self, origin: Vec3, t_min: f32, directions: &[Vec3], blocked: &mut [bool]) {
         assert_eq!(directions.len(), blocked.len(), "one answer a direction");
-        let mut stack = Vec::new();
+        let mut stack = Stack::default();
         for (direction, answer) in directions.iter().zip(blocked) {
-            *answer = self.any(&TracedRay::new(origin, *direction, t_min), f32::INFINITY, &mut stack);
+            *answer = self.any(&Ray { origin, direction: *direction, t_min, t_max: f32::INFINITY }, &mut stack);
         }
     }
 
@@ -91,12 +89,14 @@ impl World {
         in_chunks(rays, hits, |ray, stack| self.nearest(ray, stack));
     }
 
-    fn any(&self, ray: &TracedRay, t_max: f32, stack: &mut Vec<u32>) -> bool {
-        self.triangles.any(ray, t_max, stack) || self.spheres.any(ray, t_max, stack)
+    fn any(&self, ray: &Ray, stack: &mut Stack) -> bool {
+        TracedRay::new(ray.origin, ray.direction, ray.t_min).is_some_and(|traced| {
+            self.triangles.any(&traced, ray.t_max, stack) || self.spheres.any(&traced, ray.t_max, stack)
+        })
     }
 
-    fn nearest(&self, ray: &Ray, stack: &mut Vec<u32>) -> Option<Hit> {
-        let traced = TracedRay::new(ray.origin, ray.direction, ray.t_min);
+    fn nearest(&self, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
+        let traced = TracedRay::new(ray.origin, ray.direction, ray.t_min)?;
         let triangle = self.triangles.closest(&traced, ray.t_max, stack);
         let limit = triangle.map_or(ray.t_max, |(found, _)| found.t);
         let (found, id) = self.spheres.closest(&traced, limit, stack).or(triangle)?;
@@ -126,10 +126,10 @@ fn proper(geometries: &[Geometry<'_>]) -> (Named<Triangle>, Named<Sphere>) {
 }
 
 /// Answers every ray; each answer depends on its ray alone, so the split changes no bit.
-fn in_chunks<A: Send>(rays: &[Ray], answers: &mut [A], ask: impl Fn(&Ray, &mut Vec<u32>) -> A + Sync) {
+fn in_chunks<A: Send>(rays: &[Ray], answers: &mut [A], ask: impl Fn(&Ray, &mut Stack) -> A + Sync) {
     assert_eq!(rays.len(), answers.len(), "one answer a ray");
     let run = |(rays, answers): (&[Ray], &mut [A])| {
-        let mut stack = Vec::new();
+        let mut stack = Stack::default();
         for (ray, answer) in rays.iter().zip(answers) {
             *answer = ask(ray, &mut stack);
         }
