@@ -12,7 +12,7 @@ pub(crate) enum Visibility {
     /// Traced geometry.
     Traced {
         /// Objects that cast shadows, posed.
-        world: World,
+        world: Box<World>,
         /// For each object, the farthest from the origin that it gets; `None` for one that no ray can hit.
         reaches: Vec<Option<f32>>,
     },
@@ -40,7 +40,7 @@ impl Visibility {
             _ => None,
         };
         let reaches = frame.objects.iter().map(reach_of).collect();
-        Visibility::Traced { world: scene.world(frame, Which::Casters), reaches }
+        Visibility::Traced { world: Box::new(scene.world(frame, Which::Casters)), reaches }
     }
 
     /// What a receiver sees of the blockers.
