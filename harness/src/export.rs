@@ -78,11 +78,10 @@ fn truth(scene: &Scene, frame: &Frame, quality: &Quality, seed: u64, cache: &Pat
 /// A line a receiver: position, geometric and shading normal, albedo, truth and its standard error.
 fn table(receivers: &Receivers, truth: &Estimate) -> String {
     let mut table = "x,y,z,gx,gy,gz,nx,ny,nz,albedo_r,albedo_g,albedo_b,r,g,b,se_r,se_g,se_b\n".to_owned();
-    let errors = truth.standard_error();
-    for i in 0..receivers.len() {
-        let of_receiver = [receivers.position[i], receivers.geometric_normal[i], receivers.normal[i]];
-        let of_light = [receivers.albedo[i], truth.mean[i], errors[i]];
-        let numbers = of_receiver.iter().chain(&of_light).flat_map(|v| v.to_array());
+    let surface = receivers.position.iter().zip(&receivers.geometric_normal).zip(&receivers.normal);
+    let light = receivers.albedo.iter().zip(&truth.mean).zip(truth.standard_error());
+    for (((position, geometric), normal), ((albedo, mean), error)) in surface.zip(light) {
+        let numbers = [*position, *geometric, *normal, *albedo, *mean, error].into_iter().flat_map(|v| v.to_array());
         let numbers: Vec<String> = numbers.map(|number| number.to_string()).collect();
         let _ = writeln!(table, "{}", numbers.join(","));
     }
