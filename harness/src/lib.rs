@@ -33,6 +33,7 @@ pub mod cli;
 mod environment;
 mod error;
 mod execute;
+mod export;
 mod judge;
 mod plan;
 mod probe;
@@ -46,6 +47,7 @@ mod suite;
 
 pub use environment::{cpu_features, environment};
 pub use error::Error;
+pub use export::{Check, export_to_mitsuba};
 pub use plan::{Group, Plan, Stage, State, Terms};
 pub use probe::{Answers, Source, probe};
 pub use run::{Options, Summary, run};

@@ -52,18 +52,21 @@ impl Source {
 /// # Errors
 /// The scene has no such frame, the method does not serve it, or the computation fails; the message says which.
 pub fn probe(scene: &Scene, frame: usize, source: &Source, seed: u64, cache: &Path) -> Result<Answers, Error> {
-    if frame >= scene.frame_count {
-        return Err(Error::Other(format!(
-            "frame {frame}: expected one below {}, the scene's count",
-            scene.frame_count
-        )));
-    }
+    check_frame(scene, frame)?;
     match source {
         Source::Method(method, params) => of_method(scene, frame, *method, params, seed, cache),
         Source::Reference(reference, samples) => {
             of_reference(scene, frame, reference, &Quality::fixed(*samples), seed, cache)
         }
     }
+}
+
+/// Whether a scene has a frame.
+pub(crate) fn check_frame(scene: &Scene, frame: usize) -> Result<(), Error> {
+    if frame < scene.frame_count {
+        return Ok(());
+    }
+    Err(Error::Other(format!("frame {frame}: expected one below {}, the scene's count", scene.frame_count)))
 }
 
 fn of_method(

@@ -9,7 +9,8 @@ use crate::content::Collector;
 use crate::{Content, Rgb};
 
 /// A latitude–longitude radiance map, piecewise constant over its texels. Row 0 touches +z; column 0 begins at
-/// azimuth 0 (+x), azimuth grows towards +y. Both are before [`Environment::rotation`].
+/// azimuth 0 (+x), azimuth grows towards +y. Both are before [`Environment::rotation`]. Picture files run the other way
+/// round, so that a photograph seen from inside is not mirrored: loading turns them.
 #[derive(Clone, Debug)]
 pub struct Environment {
     /// Texels a row.

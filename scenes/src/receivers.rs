@@ -96,6 +96,20 @@ impl Receivers {
         }
     }
 
+    /// Some of them, by index, as a list.
+    pub fn select(&self, indices: &[usize]) -> Receivers {
+        let receiver = |&i: &usize| {
+            self.valid[i].then_some(Receiver {
+                position: self.position[i],
+                geometric_normal: self.geometric_normal[i],
+                normal: self.normal[i],
+                albedo: self.albedo[i],
+                place: self.place[i],
+            })
+        };
+        Receivers::gather(Layout::List, &indices.iter().map(receiver).collect::<Vec<_>>())
+    }
+
     /// Number of receivers, valid or not.
     pub fn len(&self) -> usize {
         self.position.len()

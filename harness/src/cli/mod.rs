@@ -2,6 +2,7 @@
 
 mod diff;
 mod doctor;
+mod export;
 mod list;
 mod paths;
 mod plan;
@@ -38,6 +39,8 @@ enum Command {
     Probe(probe::Probe),
     /// Compare two EXR pictures, or the pictures of two results directories
     Diff(diff::Diff),
+    /// Write a scene for another renderer, with receivers and their truth to hold that renderer against
+    Export(export::Export),
     /// List what there is
     List(list::List),
     /// Show the machine, the build and the folders, and verify the shipped scenes
@@ -143,6 +146,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Report(report)) => report.act(),
         Some(Command::Probe(probe)) => probe.act(),
         Some(Command::Diff(diff)) => diff.act(),
+        Some(Command::Export(export)) => export.act(),
         Some(Command::List(list)) => list.act(),
         Some(Command::Doctor(doctor)) => doctor.act(),
     }

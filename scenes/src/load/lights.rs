@@ -28,7 +28,9 @@ fn environment(check: Checker, assets: &Assets, field: &str, file: &EnvironmentF
     let scale = check.positive(&format!("{field}.scale"), file.scale)?;
     let rotation = check.number(&format!("{field}.rotate"), file.rotate)?.to_radians();
     let image = assets.read(field, &file.file, file.sha256.as_deref())?.image()?;
-    let texels: Vec<Rgb> = image.texels.into_iter().map(|texel| texel * scale).collect();
+    // A photograph runs clockwise seen from above, azimuth the other way round.
+    let mirrored = image.texels.chunks_exact(image.width).flat_map(|row| row.iter().rev());
+    let texels: Vec<Rgb> = mirrored.map(|texel| *texel * scale).collect();
     let brightest = texels.iter().fold(0.0, |most: f32, texel| most.max(texel.max_element()));
     check.number(&format!("{field}.scale: brightest texel"), brightest)?;
     Ok(Light::Environment(Environment { width: image.width, height: image.height, texels: Arc::new(texels), rotation }))

@@ -51,9 +51,9 @@ fn pictures_keep_their_texels_and_their_orientation() {
         assert_eq!((map.width, map.height), (WIDTH, HEIGHT));
         for y in 0..HEIGHT {
             for x in 0..WIDTH {
-                // Row 0 at +z, column 0 from +x, azimuth towards +y.
+                // Row 0 at +z, column 0 from +x, columns clockwise seen from above: a photograph is not mirrored.
                 let polar = (y as f32 + 0.5) / HEIGHT as f32 * PI;
-                let azimuth = (x as f32 + 0.5) / WIDTH as f32 * 2.0 * PI;
+                let azimuth = -(x as f32 + 0.5) / WIDTH as f32 * 2.0 * PI;
                 let direction = Vec3::new(polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos());
                 assert_eq!(scene.lights[0].radiance(direction), value(x, y), "{file} {x} {y}");
             }
@@ -69,8 +69,8 @@ fn scale_and_rotation_apply() {
     let plain = load(&folder, r#"file = "map.exr""#).unwrap();
     assert_ne!(plain.content, load(&folder, r#"file = "map.exr", scale = 0.5"#).unwrap().content);
     assert_ne!(plain.content, load(&folder, r#"file = "map.exr", rotate = 90.0"#).unwrap().content);
-    // Column 0 began at +x; a quarter turn towards +y puts its centre to 112.5°.
-    let azimuth = 112.5f32.to_radians();
+    // Column 0 began at +x; a quarter turn towards +y puts its centre to 67.5°.
+    let azimuth = 67.5f32.to_radians();
     let direction = Vec3::new(azimuth.cos(), azimuth.sin(), 2.0).normalize();
     assert_eq!(scene.lights[0].radiance(direction), value(0, 0) * 0.5);
     assert_eq!(scene.radiance(-Vec3::Z).y, value(0, HEIGHT - 1).y * 0.5);

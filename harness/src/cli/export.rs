@@ -1,0 +1,51 @@
+//! `halflight export`.
+
+use super::{CacheDir, Ending, say};
+use crate::export::{Check, export_to_mitsuba};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub(super) struct Export {
+    /// A shipped scene's name, or the path of a scene file
+    #[arg(long)]
+    scene: String,
+    /// The other renderer
+    #[arg(long, value_enum)]
+    to: Renderer,
+    /// Folder to write into
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Receivers to write with their truth, spread evenly over the scene's; all if it has fewer
+    #[arg(long, value_name = "N", default_value_t = 2000)]
+    receivers: usize,
+    /// Samples of the truth at every receiver
+    #[arg(long, value_name = "N", default_value_t = 16384)]
+    samples: u32,
+    /// The frame
+    #[arg(long, default_value_t = 0)]
+    frame: usize,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    cache: CacheDir,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Renderer {
+    /// Mitsuba 3: a scene a light, the blockers, and the receivers
+    Mitsuba,
+}
+
+impl Export {
+    pub(super) fn act(&self) -> anyhow::Result<Ending> {
+        let scene = halflight_scenes::find(&self.scene)?;
+        let check = Check { receivers: self.receivers, samples: self.samples, seed: self.seed };
+        match self.to {
+            Renderer::Mitsuba => export_to_mitsuba(&scene, self.frame, &check, &self.cache.path()?, &self.out)?,
+        }
+        say(&format!("exported {} to {}", scene.name, self.out.display()));
+        Ok(Ending::Well)
+    }
+}
