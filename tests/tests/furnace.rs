@@ -72,36 +72,51 @@ const AXES: [Vec3; 6] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Ve
 /// `√(2·2⁻²³)`, and half of it passes at order 2, where the truncated clamped cosine does not vanish at the horizon.
 const SINE_ROUNDING: f32 = 2.5e-4;
 
-/// The most that may pass a covered hemisphere by a method at an order from 2 on.
+/// What an exponential at the default squaring rule may differ from the eigen-exponential, as radiance.
+const SERIES: f32 = 0.01;
+
+/// The log of a covered hemisphere is clipped, so SHEXP does not give the hemisphere back: what passes by the
+/// eigen-exponential along the axis, in double precision. At order 4 the visibility errs by 0.0182 of its norm (a figure
+/// that the SH crate's own tests hold), of which this is what the clamped cosine sees.
+fn reproduced(order: usize) -> f32 {
+    let size = halflight_sh::coefficients(order);
+    let mut zonal = vec![0.0; order];
+    let [mut log, mut visibility, mut weights] = [0; 3].map(|_| vec![0.0; size]);
+    halflight_sh::circle_log(order, 0.0, &mut zonal);
+    halflight_sh::rotate_zonal(order, &zonal, [0.0, 0.0, 1.0], &mut log);
+    halflight_sh::ExpWorkspace::new(order).eigen(&log, &mut visibility);
+    halflight_sh::irradiance_weights(order, [0.0, 0.0, 1.0], &mut weights);
+    let passed: f64 = weights.iter().zip(&visibility).map(|(w, v): (&f64, &f64)| w * v).sum();
+    passed.abs() as f32
+}
+
+/// What passes a covered hemisphere by a method at an order from 2 on, and how far it may be off.
 ///
 /// For products it is nothing but rounding: the clamped cosine and the hemisphere each lack the bands that the other
 /// has, so that their truncated product integrates to 0 exactly (at order 1 it is 1/2).
-///
-/// The log of a covered hemisphere is clipped, so SHEXP does not give it back. At order 4 the eigen-exponential errs by
-/// 0.0182 of the visibility's norm, and `|(H, Δg)| ≤ ‖H‖·‖Δg‖`, with the norms of the truncated clamped cosine over π
-/// and of the truncated hemisphere. The other exponentials approximate this one; no figure is published for them, nor
-/// for other orders, of which the odd ones come out worst (order 3: 0.08).
-fn most_leaked(id: &str, order: i64) -> f32 {
-    const REPRODUCTION: f32 = 0.0182;
-    const NORM_OF_COSINE: f32 = 0.4589;
-    const NORM_OF_HEMISPHERE: f32 = 2.4169;
-    match (id, order) {
-        ("shexp/eigen", 4) => REPRODUCTION * NORM_OF_COSINE * NORM_OF_HEMISPHERE + SINE_ROUNDING,
-        ("shexp/ps-star" | "shexp/hyb" | "shexp/eigen", _) => 0.09,
-        _ => SINE_ROUNDING,
+fn passed(id: &str, order: i64) -> (f32, f32) {
+    match id {
+        "shexp/eigen" => (reproduced(order as usize), 4.0 * SINE_ROUNDING),
+        "shexp/ps-star" | "shexp/hyb" => (reproduced(order as usize), SERIES),
+        _ => (0.0, SINE_ROUNDING),
     }
 }
 
 #[test]
-fn a_covered_hemisphere_gives_zero() {
+fn a_covered_hemisphere_gives_zero_but_for_what_the_log_does_not_give_back() {
     let normals: Vec<Vec3> = normals().step_by(10).chain(AXES).collect();
     for method in halflight_registry::methods() {
         let id = method.info().id;
         for (order, params) in orders(method).into_iter().filter(|(order, _)| *order != 1) {
-            let (leak, bound) = (leak(method, &params, &normals), most_leaked(id, order));
-            assert!(leak < bound, "{id} at order {order}: {leak:e}, expected less than {bound:e}");
+            let (leak, (expected, bound)) = (leak(method, &params, &normals), passed(id, order));
+            assert!(
+                (leak - expected).abs() < bound,
+                "{id} at order {order}: {leak:e}, expected {expected:e} ± {bound:e}"
+            );
         }
     }
+    // The paper's order: the bound that follows from the published figure, |(H, Δg)| ≤ ‖H‖·‖Δg‖.
+    assert!(reproduced(4) < 0.0182 * 0.4589 * 2.4169);
 }
 
 /// Along the axes nothing is rounded, and products give 0 to the last digits.
