@@ -164,6 +164,7 @@ mod tests {
         for name in SelfShadow::NAMES {
             assert_eq!(SelfShadow::named(name).map(SelfShadow::name), Some(*name));
         }
+        assert_eq!(SelfShadow::NAMES[0], SelfShadow::default().name());
         assert_eq!(SelfShadow::named("Paper"), None);
     }
 

@@ -19,6 +19,16 @@ fn check(replacements: &[(&str, &str)], field: &str, expected: &str) {
 }
 
 #[test]
+fn more_receivers_than_memory_would_hold() {
+    let grid = |side| format!("grid = {{ center = [0, 0, 0], size = [1, 1], resolution = [{side}, {side}] }}");
+    check(&[("camera = {}", &grid(16384))], "receivers: ", "at most 33554432 over all frames");
+    let frames = |count| format!("[frames]\ncount = {count}\n[[objects]]\nname = \"ground\"");
+    let ground = "[[objects]]\nname = \"ground\"";
+    check(&[("camera = {}", &grid(64)), (ground, &frames(8193))], "receivers: ", "over all frames");
+    Folder::new().load(&with(&[("camera = {}", &grid(64)), (ground, &frames(8192))])).expect("just within");
+}
+
+#[test]
 fn values_out_of_range() {
     const BALL: &str = "sphere = { center = [1.5, 0.0, 1.0], radius = 1.0 }";
     let cases = [
