@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use crate::basis::evaluate;
 use crate::order::{MAX_ORDER, assert_order, assert_vector, coefficients, index};
 use crate::quadrature::Quadrature;
-use crate::real::Real;
 use crate::zonal::band;
+use halflight_sh_kernels::Real;
 
 /// The block-diagonal matrix that rotates SH vectors: one `(2l+1)²` block a band.
 ///

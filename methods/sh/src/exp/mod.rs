@@ -24,11 +24,12 @@ mod series;
 use std::f64::consts::LN_2;
 
 pub use exact::exact;
+pub(crate) use linear::{linear_pieces, unclipped_norm};
 
 use crate::gamma::{Gamma, gamma};
 use crate::order::{SQRT_4_PI, assert_vector, coefficients};
-use crate::real::Real;
 use eigen::EigenScratch;
+use halflight_sh_kernels::Real;
 
 /// No coefficient of a result exceeds this.
 const LARGEST: f64 = 1e30;

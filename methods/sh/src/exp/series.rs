@@ -2,7 +2,7 @@
 
 use super::{ExpWorkspace, SquaringRule, Work, renormalise, restore, scale_by_power};
 use crate::order::{SQRT_4_PI, assert_vector};
-use crate::real::Real;
+use halflight_sh_kernels::Real;
 
 /// The highest degree of PS*-p.
 const MAX_FACTORED_DEGREE: usize = 20;
