@@ -69,6 +69,16 @@ impl Rotation {
         self.order
     }
 
+    /// The blocks of the bands in turn, each `(2l+1)²` entries by rows.
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = &[f64]> {
+        let mut rest = self.blocks.as_slice();
+        (0..self.order).map(move |l| {
+            let (block, after) = rest.split_at((2 * l + 1).pow(2));
+            rest = after;
+            block
+        })
+    }
+
     /// Writes the rotated vector.
     ///
     /// # Panics

@@ -3,12 +3,13 @@
 mod basis;
 mod circles;
 mod exp;
+mod linear;
 
 pub use exp::BatchExp;
 
 use halflight_sh_kernels::{Block, Real, Simd};
 
-use crate::order::{assert_order, assert_vector, coefficients};
+use crate::order::{MAX_COEFFICIENTS, assert_order, assert_vector, coefficients};
 
 /// The operations of one order on batches of vectors in [`Block`]s, by the widest instructions that the machine has.
 ///
@@ -17,6 +18,23 @@ use crate::order::{assert_order, assert_vector, coefficients};
 pub struct Batch {
     order: usize,
     simd: Simd,
+}
+
+/// The product `a * b` of one pair of vectors by the fastest code for this machine; see
+/// [`Gamma::product`](crate::Gamma::product), the plain loop over the same.
+///
+/// # Panics
+/// If the order is outside 1 to [`MAX_ORDER`](crate::MAX_ORDER) or a slice does not hold `n²` coefficients.
+pub fn product<T: Real>(order: usize, a: &[T], b: &[T], out: &mut [T]) {
+    Batch::new(order).single_product(a, b, out);
+}
+
+/// The square `a * a` of one vector by the fastest code for this machine; see [`Gamma::square`](crate::Gamma::square).
+///
+/// # Panics
+/// As [`product`].
+pub fn square<T: Real>(order: usize, a: &[T], out: &mut [T]) {
+    Batch::new(order).single_square(a, out);
 }
 
 impl Batch {
@@ -93,6 +111,18 @@ impl Batch {
         assert_vector(self.order, a);
         assert_vector(self.order, out);
         T::square(self.simd, self.order, a, out);
+    }
+
+    /// The integral of the product of three functions.
+    ///
+    /// # Panics
+    /// If a slice does not hold `n²` coefficients.
+    pub fn single_triple_product<T: Real>(&self, a: &[T], b: &[T], c: &[T]) -> T {
+        assert_vector(self.order, c);
+        let mut product = [T::ZERO; MAX_COEFFICIENTS];
+        let product = &mut product[..coefficients(self.order)];
+        self.single_product(a, b, product);
+        product.iter().zip(c).fold(T::ZERO, |sum, (&x, &y)| sum + x * y)
     }
 
     #[track_caller]

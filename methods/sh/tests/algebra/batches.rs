@@ -1,6 +1,6 @@
 //! Batches on every instruction set against the plain loop in double precision, and against the scalar twin.
 
-use crate::common::{convert, distance, norm};
+use crate::common::{convert, distance, dot, norm};
 use halflight_sh::{Batch, Block, LANES, Real, Simd, blocks_for, coefficients, gamma, pack, unpack};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
@@ -65,6 +65,12 @@ fn check<T: Real>(order: usize, a: &[Vec<f64>], b: &[Vec<f64>]) -> Result<(), Te
         let products = unpacked(order, &out, a.len());
         batch.square(&left, &mut out);
         let squares = unpacked(order, &out, a.len());
+        let mut triples = vec![Block::ZERO; left.len() / coefficients(order)];
+        batch.triple_product(&left, &right, &left, &mut triples);
+        let mut matrix = vec![T::ZERO; coefficients(order).pow(2)];
+        gamma(order).product_matrix(&convert::<T>(&a[0]), &mut matrix);
+        batch.matrix_product(&matrix, &right, &mut out);
+        let by_matrix = unpacked(order, &out, b.len());
         let mut vectors = convert::<T>(&a.concat());
         batch.product_vectors(&convert::<T>(&a.concat()), &convert(&b.concat()), &mut vectors);
         for (i, (x, y)) in a.iter().zip(b).enumerate() {
@@ -75,6 +81,14 @@ fn check<T: Real>(order: usize, a: &[Vec<f64>], b: &[Vec<f64>]) -> Result<(), Te
             within("product", &products[i], &product, error * scale, &batch)?;
             within("square", &squares[i], &square, error * own, &batch)?;
             let size = x.len();
+            let (integral, length) = (dot(&product, &wide(x)), own * norm(y) * order as f64);
+            let triple = triples[i / LANES].0[i % LANES].to_f64();
+            prop_assert!((triple - integral).abs() <= 4.0 * T::EPSILON.to_f64() * length, "{triple} for {integral}");
+            let single = batch.single_triple_product(&convert::<T>(x), &convert(y), &convert(x)).to_f64();
+            prop_assert!((single - integral).abs() <= 4.0 * T::EPSILON.to_f64() * length, "{single} for {integral}");
+            let mut first = x.clone();
+            gamma(order).product(&wide(&a[0]), &wide(y), &mut first);
+            within("matrix product", &by_matrix[i], &first, 4.0 * error * norm(&a[0]) * norm(y), &batch)?;
             prop_assert!(vectors[i * size..(i + 1) * size] == convert::<T>(&products[i]));
             let mut single = convert::<T>(x);
             batch.single_product(&convert::<T>(x), &convert(y), &mut single);

@@ -3,8 +3,8 @@
 use crate::batches::{instruction_sets, packed, unpacked};
 use crate::common::{blockers, convert, distance, norm, scaled, sum, unit_vector, vectors};
 use halflight_sh::{
-    Batch, BatchExp, Block, ExpWorkspace, LANES, Real, SquaringRule, Work, circle_log, circle_visibility, coefficients,
-    evaluate, rotate_z, rotate_zonal,
+    Batch, BatchExp, Block, ExpWorkspace, LANES, Real, Rotation, SquaringRule, Work, circle_log, circle_visibility,
+    coefficients, evaluate, rotate_z, rotate_zonal,
 };
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
@@ -93,6 +93,21 @@ proptest! {
     fn rotations_about_z((order, v) in vectors(1), angles in proptest::collection::vec(-7.0f64..7.0, 1..36)) {
         check_rotation::<f32>(order, &v[0], &angles)?;
         check_rotation::<f64>(order, &v[0], &angles)?;
+    }
+
+    #[test]
+    fn general_rotations((order, v) in vectors(18), axis in unit_vector(), e in -9.0f64..0.6) {
+        let rotation = Rotation::new(order, crate::rotations::rotation_about(axis, 10f64.powf(e)));
+        let input = packed::<f32>(order, &v);
+        for batch in instruction_sets(order) {
+            let mut out = input.clone();
+            batch.rotate(&rotation, &input, &mut out);
+            for (got, v) in unpacked(order, &out, v.len()).iter().zip(&v) {
+                let mut want = v.clone();
+                rotation.apply(v, &mut want);
+                prop_assert!(distance(got, &want) <= 1e-6 * norm(v), "{:?}, order {order}", batch.simd());
+            }
+        }
     }
 
     #[test]
