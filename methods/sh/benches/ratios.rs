@@ -1,5 +1,5 @@
-//! Prints times of products in one interleaved run, and their ratios to well-compiled scalar code:
-//! `cargo bench -p halflight-sh --bench ratios`.
+//! Prints times of products and of other operations in interleaved runs, with their ratios to well-compiled scalar code and
+//! to the published crate `sphrs`: `cargo bench -p halflight-sh --bench ratios`.
 //!
 //! Each round times every kernel once; a ratio is the median over rounds of the ratio within a round, with its quartiles.
 
@@ -9,7 +9,11 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use baseline::plain_product;
-use halflight_sh::{Batch, Block, LANES, Real, Simd, coefficients, gamma};
+use halflight_sh::{
+    Batch, BatchExp, Block, ExpWorkspace, LANES, Real, Simd, SquaringRule, Work, circle_log, coefficients, evaluate,
+    gamma, rotate_zonal,
+};
+use sphrs::{Coordinates, HarmonicsSet, RealSH};
 
 const ROUNDS: usize = 41;
 const BLOCKS: usize = 4;
@@ -75,6 +79,55 @@ fn kernels(order: usize) -> Vec<Kernel> {
     list
 }
 
+/// Evaluation and what blockers cost, one vector each; the first is the peer.
+fn other_kernels(order: usize) -> Vec<Kernel> {
+    let direction = [0.48f32, 0.6, 0.64];
+    let mut list = Vec::new();
+    let peer = HarmonicsSet::new(order - 1, RealSH::Spherical);
+    list.push(kernel("sphrs evaluate", 1, move || {
+        black_box(peer.eval(&Coordinates::cartesian(black_box(0.48f32), 0.6, 0.64)));
+    }));
+    let mut out = vector::<f32>(order, 0.0);
+    list.push(kernel("evaluate", 1, move || evaluate(order, black_box(direction), &mut out)));
+    let log: Vec<f32> = {
+        let (mut zonal, mut log) = (vec![0.0f64; order], vec![0.0f64; coefficients(order)]);
+        circle_log(order, 0.8, &mut zonal);
+        rotate_zonal(order, &zonal, [0.48, 0.6, 0.64], &mut log);
+        log.iter().map(|&x| 2.0 * x as f32).collect()
+    };
+    let (f, mut out, mut one) = (log.clone(), log.clone(), ExpWorkspace::<f32>::new(order));
+    list.push(kernel("HYB", 1, move || {
+        one.hybrid(SquaringRule::default(), black_box(&f), &mut out);
+    }));
+    for batch in Simd::ALL.into_iter().filter_map(|simd| Batch::with_simd(order, simd)) {
+        let name = format!("{:?}", batch.simd());
+        let directions = vec![direction.map(Block::splat); BLOCKS];
+        let zonal = vec![Block::splat(0.7f32); BLOCKS * order];
+        let (mut out, lanes) = (blocks::<f32>(order, 0.0), BLOCKS * LANES);
+        let d = directions.clone();
+        list.push(kernel(&format!("{name} evaluate"), lanes, move || batch.evaluate(black_box(&d), &mut out)));
+        let (mut out, d, z) = (blocks::<f32>(order, 0.0), directions.clone(), zonal.clone());
+        list.push(kernel(&format!("{name} zonal rotation"), lanes, move || {
+            batch.rotate_zonal(black_box(&z), black_box(&d), &mut out);
+        }));
+        let (sines, mut zonal, mut out) = (vec![Block::splat(0.4f32); BLOCKS], zonal, blocks::<f32>(order, 0.0));
+        list.push(kernel(&format!("{name} log blocker"), lanes, move || {
+            batch.circle_logs(black_box(&sines), &mut zonal);
+            batch.add_zonal(&zonal, &directions, &mut out);
+            black_box(&mut out).fill(Block::ZERO);
+        }));
+        let f: Vec<Block<f32>> = (0..BLOCKS).flat_map(|_| log.iter().map(|&x| Block::splat(x))).collect();
+        let (mut out, mut exp, mut work) = (f.clone(), BatchExp::new(batch), vec![Work::default(); lanes]);
+        list.push(kernel(&format!("{name} HYB"), lanes, move || {
+            exp.hybrid(SquaringRule::default(), black_box(&f), &mut out, &mut work);
+        }));
+        let (a, b) = (blocks::<f32>(order, 0.3), blocks::<f32>(order, 1.1));
+        let mut out = a.clone();
+        list.push(kernel(&format!("{name} product"), lanes, move || batch.product(black_box(&a), &b, &mut out)));
+    }
+    list
+}
+
 fn quantile(values: &[f64], q: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -82,8 +135,7 @@ fn quantile(values: &[f64], q: f64) -> f64 {
 }
 
 fn main() {
-    for order in 2..=8 {
-        let mut list = kernels(order);
+    for (order, mut list) in (2..=8).flat_map(|order| [(order, kernels(order)), (order, other_kernels(order))]) {
         for round in 0..=ROUNDS {
             for Kernel { run, times, .. } in &mut list {
                 let start = Instant::now();

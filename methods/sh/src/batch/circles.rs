@@ -37,8 +37,10 @@ impl<T: Real> Task<T> for Logs<'_, T> {
         let pieces = logs::<T>(self.order);
         for (sines, out) in self.sines.iter().zip(self.out.chunks_exact_mut(self.order)) {
             for part in 0..LANES / V::WIDTH {
-                let height = height(V::load(&sines.0, part));
-                pieces.lookup(height, |band, value| value.store(&mut out[band].0, part));
+                let (sine, zero) = (V::load(&sines.0, part), V::constant(0.0));
+                pieces.lookup(height(sine), |band, value| {
+                    zero.where_less(sine, value, zero).store(&mut out[band].0, part);
+                });
             }
         }
     }
@@ -88,7 +90,8 @@ fn zonal_visibility<V: Lanes>(cosine: V, mut out: impl FnMut(usize, V), order: u
 
 impl Batch {
     /// The zonal log visibilities (see [`circle_log`]) of circles given by the sine of their angular radius, `n` blocks for
-    /// each block of sines. Sines are clamped to [0, 1]; 0 gives 0.
+    /// each block of sines. Sines are clamped to [0, 1]; 0 gives 0, which blocks
+    /// nothing, exactly.
     ///
     /// From 16 pieces of degree 7, split where the clip makes kinks, with no gather. Coefficients err by at most 2e-6
     /// (order 7: 5e-6, order 8, which has most kinks: 1e-4) of the circle's largest one, or of 1.

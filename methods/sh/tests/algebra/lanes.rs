@@ -181,6 +181,10 @@ fn circles_keep_their_stated_errors() {
     for order in 1..=8 {
         let sines: Vec<f64> =
             (0..1536).map(|k| f64::from((f64::from(k) / 1535.0 * std::f64::consts::FRAC_PI_2).sin() as f32)).collect();
+        let mut none = vec![Block::splat(f32::NAN); order];
+        Batch::new(order)
+            .circle_logs(&[Block([0.0, -1.0, f32::NAN, -0.0].repeat(4).try_into().expect("16"))], &mut none);
+        assert!(none.iter().all(|block| *block == Block::ZERO));
         let mut worst = [0.0f64; 2];
         let batch = Batch::new(order);
         for sines in sines.chunks_exact(LANES) {
