@@ -16,7 +16,8 @@ use halflight_sh::{
 use sphrs::{Coordinates, HarmonicsSet, RealSH};
 
 const ROUNDS: usize = 41;
-const BLOCKS: usize = 4;
+/// Groups of 16 vectors; batches of four would lie 4 KiB apart at order 4, where stores look like later loads' data.
+const BLOCKS: usize = 3;
 /// Products that one timing takes.
 const PRODUCTS: usize = 16 * BLOCKS * LANES;
 

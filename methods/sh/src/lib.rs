@@ -12,6 +12,23 @@
 //! The order is an argument and vectors are slices. A wrong order or slice length is a programming error and panics:
 //! check an order that a user gave with [`check_order`] first.
 //!
+//! # One vector or sixteen
+//!
+//! Functions on slices take one vector. [`Batch`] and [`BatchExp`] take [`Block`]s, 16 vectors side by side, by the widest
+//! instructions that the machine has; forms, counts, times and errors are in the crate's `README.md`.
+//!
+//! ```
+//! use halflight_sh::{Batch, Block, blocks_for, pack, unpack};
+//!
+//! let (order, vectors) = (4, vec![0.1f32; 100 * 16]);
+//! let mut a = vec![Block::ZERO; blocks_for(order, 100)];
+//! pack(order, &vectors, &mut a);
+//! let mut square = a.clone();
+//! Batch::new(order).square(&a, &mut square);
+//! let mut squares = vectors.clone();
+//! unpack(order, &square, &mut squares);
+//! ```
+//!
 //! # From blockers to a shadow
 //!
 //! ```
