@@ -9,7 +9,7 @@ use halflight_contract::{
 };
 use halflight_light::{LightOf, ShLight};
 use halflight_proxies::{PosedSpheres, SphereSet, blockers, sphere_sets};
-use halflight_scenes::{Frame, Receivers, Rgb, Scene};
+use halflight_scenes::{Frame, Receivers, Rgb, Scene, SceneFacts};
 use halflight_sh::{apply_bands, coefficients, gamma, irradiance_weights, project_binary_bound, window};
 use rayon::prelude::*;
 
@@ -68,10 +68,16 @@ pub struct DirectLight<'s, A> {
     quantity: Quantity,
 }
 
-/// What sphere-blocker methods answer: direct light and visibility up to their own order.
-pub fn supports(request: &Request<'_>) -> Support {
+/// What sphere-blocker methods answer: direct distant light and visibility up to their own order.
+pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
     match request.quantity {
-        Quantity::Direct => Support::Exact,
+        Quantity::Direct if facts.emitters == 0 => Support::Exact,
+        Quantity::Direct if facts.distant_lights() == 0 => {
+            Support::Skip("all light comes from objects of the scene, none from afar".into())
+        }
+        Quantity::Direct => {
+            Support::Approximate(format!("leaves out the light of {} objects that emit", facts.emitters))
+        }
         Quantity::Visibility { order } if usize::from(order) <= request.params.int(params::ORDER.name) => {
             Support::Exact
         }
