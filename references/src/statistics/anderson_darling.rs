@@ -76,7 +76,8 @@ mod tests {
 
     #[test]
     fn what_is_not_standard_normal_is_found_out() {
-        let planted: [(&str, fn(f64, f64) -> f64); 6] = [
+        type Plant = fn(f64, f64) -> f64;
+        let planted: [(&str, Plant); 6] = [
             ("shifted", |z, _| z + 0.2),
             ("errors claimed a sixth too small", |z, _| z * 1.17),
             ("errors claimed a sixth too large", |z, _| z / 1.17),
