@@ -21,7 +21,7 @@ pub(super) fn build<P: Packet>(items: &[(P::Primitive, Id)], level: Level) -> Hi
     let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
     let bvh = build_bvh2(&boxes, params, &mut Duration::default());
     let Aabb { min, max } = *bvh.nodes[0].aabb();
-    let plan = Plan::new(&bvh);
+    let plan = Plan::new(&bvh, P::CAPACITY);
     let mut writer = Writer { items, bvh: &bvh, plan: &plan, nodes: Vec::new(), packets: Vec::new(), ids: Vec::new() };
     let depth = writer.write();
     let Writer { nodes, packets, ids, .. } = writer;
@@ -80,7 +80,7 @@ impl<P: Packet> Writer<'_, P> {
     }
 
     fn leaf(&mut self, index: u32) -> Child {
-        let items = self.plan.primitives(index).into_iter().map(|i| self.items[i as usize]);
+        let items = self.plan.primitives(index).into_iter().map(|i| self.items[i as usize].clone());
         let (primitives, mut ids): (Vec<_>, Vec<_>) = items.unzip();
         let child = Child::packet(self.packets.len(), primitives.len());
         self.packets.push(P::pack(&primitives));
