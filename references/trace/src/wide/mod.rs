@@ -3,6 +3,7 @@
 mod build;
 mod collapse;
 mod kernel;
+mod refit;
 #[cfg(test)]
 mod tests;
 mod traverse;
@@ -90,6 +91,8 @@ pub(crate) struct Hierarchy<P> {
     /// Entries that a traversal's stack may need.
     waiting: usize,
     level: Level,
+    /// Boxes that a random line was expected to enter when the tree was built.
+    visits: f64,
 }
 
 /// Children that a traversal has yet to visit, and where the ray enters them; kept between rays to spare allocations.
