@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 use halflight_contract::{Backend, Cache, Derived, Error, Flow, Job, Meter, NoMeter, Params};
 use halflight_proxies::{MAX_COUNT, SphereSet, SpheresOf, blockers, sphere_sets};
-use halflight_scenes::{Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sphere};
+use halflight_scenes::{Bodies, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sphere};
 use shapes::{icosphere, square, torus};
 
 const COUNT: usize = 6;
@@ -44,6 +44,7 @@ fn scene() -> Scene {
         frame_count: 2,
         fps: 1.0,
         notices: Vec::new(),
+        bodies: Bodies::default(),
     }
 }
 

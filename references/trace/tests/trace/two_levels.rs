@@ -69,7 +69,7 @@ fn worlds(random: &mut Random, count: u32) -> [World; 2] {
 
 fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
     let mut ray = |i: usize| {
-        let t_max = if i % 4 == 0 { 3.0 } else { f32::INFINITY };
+        let t_max = if i.is_multiple_of(4) { 3.0 } else { f32::INFINITY };
         let (origin, target) = (random.point() * 7.0, random.point() * 4.0);
         Ray { origin, direction: (target - origin).normalize(), t_min: 0.0, t_max }
     };
