@@ -3,7 +3,7 @@
 use glam::Vec3;
 use halflight_proxies::{SelfShadow, seen};
 use halflight_scenes::{Frame, PosedObject, Scene, Shape, Sphere, Which};
-use halflight_trace::World;
+use halflight_trace::{World, clearance, clearance_of_point};
 
 use crate::receiver::Receiver;
 
@@ -25,13 +25,6 @@ pub(crate) enum Visibility {
     },
 }
 
-/// How far off its own surface a receiver's rays start, in rounding steps of the largest coordinate of the object that it lies
-/// on: a position on a triangle is a sum of a few rounded products of its corners. What lies on nothing that casts needs none.
-const OFFSET_STEPS: f32 = 16.0;
-
-/// The same for a receiver of which only the position is known: that was rounded once.
-const OFFSET_STEPS_OF_POINTS: f32 = 2.0;
-
 impl Visibility {
     /// The real geometry of a frame.
     pub(crate) fn traced(scene: &Scene, frame: &Frame) -> Self {
@@ -47,12 +40,11 @@ impl Visibility {
     pub(crate) fn from(&self, receiver: &Receiver) -> View<'_> {
         match self {
             Visibility::Traced { world, reaches } => {
-                let steps = match receiver.object.map(|object| reaches[object as usize]) {
-                    Some(Some(reach)) => OFFSET_STEPS * reach,
-                    Some(None) => 0.0,
-                    None => OFFSET_STEPS_OF_POINTS * receiver.position.length(),
+                // What lies on nothing that casts needs none.
+                let offset = match receiver.object.map(|object| reaches[object as usize]) {
+                    Some(reach) => reach.map_or(0.0, clearance),
+                    None => clearance_of_point(receiver.position),
                 };
-                let offset = f32::EPSILON * steps;
                 View::Rays { world, origin: receiver.position + offset * receiver.geometric_normal }
             }
             Visibility::Spheres { spheres, rule } => View::Circles(circles(receiver, spheres, *rule)),

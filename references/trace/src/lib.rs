@@ -6,6 +6,7 @@
 //! hold gives the same hits, and what lies at the very start of a ray is left out by its `t_min`.
 
 mod body;
+mod clearance;
 mod instance;
 mod sphere;
 mod traced_ray;
@@ -14,6 +15,7 @@ mod wide;
 mod world;
 
 pub use body::{Body, Geometry};
+pub use clearance::{clearance, clearance_of_point};
 pub use instance::Instance;
 pub use sphere::Sphere;
 pub use world::{Hit, Ray, World};
