@@ -16,6 +16,7 @@ pub mod analytic;
 mod emission;
 mod error;
 mod estimate;
+pub mod horizon;
 mod integrand;
 mod kind;
 mod pixels;

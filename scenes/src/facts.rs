@@ -7,8 +7,10 @@ pub struct SceneFacts {
     pub objects: usize,
     /// Objects that cast shadows.
     pub casters: usize,
-    /// Triangles of all meshes.
+    /// Triangles of all meshes and height fields.
     pub triangles: usize,
+    /// Height fields that cast shadows.
+    pub height_fields: usize,
     /// Exact spheres of all objects.
     pub spheres: usize,
     /// Environment maps.

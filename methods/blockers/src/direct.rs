@@ -9,7 +9,7 @@ use halflight_contract::{
 };
 use halflight_light::{LightOf, ShLight};
 use halflight_proxies::{PosedSpheres, SphereSet, blockers, sphere_sets};
-use halflight_scenes::{Frame, Receivers, Rgb, Scene};
+use halflight_scenes::{Frame, Receivers, Rgb, Scene, SceneFacts};
 use halflight_sh::{apply_bands, coefficients, gamma, irradiance_weights, project_binary_bound, window};
 use rayon::prelude::*;
 
@@ -68,9 +68,11 @@ pub struct DirectLight<'s, A> {
     quantity: Quantity,
 }
 
-/// What sphere-blocker methods answer: direct light and visibility up to their own order.
-pub fn supports(request: &Request<'_>) -> Support {
+/// What sphere-blocker methods answer: direct light and visibility up to their own order, where spheres can stand for all that
+/// casts shadows. A height field is an open surface: spheres around it would bury the receivers on it.
+pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
     match request.quantity {
+        _ if facts.height_fields > 0 => Support::Skip("spheres cannot stand for a height field that casts shadows".into()),
         Quantity::Direct => Support::Exact,
         Quantity::Visibility { order } if usize::from(order) <= request.params.int(params::ORDER.name) => {
             Support::Exact
