@@ -7,6 +7,8 @@ pub struct SceneFacts {
     pub objects: usize,
     /// Objects that cast shadows.
     pub casters: usize,
+    /// Objects that emit light.
+    pub emitters: usize,
     /// Triangles of all meshes and height fields.
     pub triangles: usize,
     /// Height fields that cast shadows.
@@ -25,4 +27,11 @@ pub struct SceneFacts {
     pub moving: bool,
     /// Receivers a frame.
     pub receivers: usize,
+}
+
+impl SceneFacts {
+    /// Lights that are infinitely far away.
+    pub fn distant_lights(&self) -> usize {
+        self.environments + self.skies + self.key_lights
+    }
 }

@@ -96,6 +96,9 @@ pub(crate) struct ObjectFile {
     #[serde(default)]
     pub(crate) translate: [f32; 3],
     pub(crate) albedo: [f32; 3],
+    /// Radiance that leaves the front of its surface.
+    #[serde(default)]
+    pub(crate) emission: [f32; 3],
     #[serde(default = "yes")]
     pub(crate) casts: bool,
     #[serde(default)]

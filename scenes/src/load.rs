@@ -43,6 +43,8 @@ impl Scene {
         let mut notices = Vec::new();
         let objects = objects::load(check, &assets, &file.objects, &mut notices)?;
         let lights = lights::load(check, &assets, &file.lights)?;
+        let lit = !lights.is_empty() || objects.iter().any(crate::Object::emits);
+        check.ensure(lit, "lights", "at least one light, or an object with emission", lights.len())?;
         let camera = file.camera.as_ref().map(|camera| load_camera(check, camera)).transpose()?;
         let placement = receivers::load(check, &assets, &file.receivers, &objects, camera.as_ref())?;
         let (frame_count, fps) = load_frames(check, &file.frames)?;

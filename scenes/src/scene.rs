@@ -53,6 +53,7 @@ impl Scene {
         let mut facts = SceneFacts {
             objects: self.objects.len(),
             casters: self.objects.iter().filter(|object| object.casts).count(),
+            emitters: self.objects.iter().filter(|object| object.emits()).count(),
             frames: self.frame_count,
             moving: self.objects.iter().any(|object| !object.motion.is_empty()),
             receivers: self.receiver_count(),
@@ -94,7 +95,7 @@ impl Scene {
         Frame { index, time, objects, lights, receivers }
     }
 
-    /// Radiance that arrives from all lights together along a unit direction, nothing in the way.
+    /// Radiance that arrives from all distant lights together along a unit direction, nothing in the way.
     pub fn radiance(&self, direction: Vec3) -> Rgb {
         self.lights.iter().map(|light| light.radiance(direction)).sum()
     }
@@ -114,7 +115,8 @@ impl Scene {
     pub(crate) fn compute_content(&self) -> Content {
         let all = Collector::new("scene").word(self.frame_count).float(self.fps);
         let all = all.list(&self.objects, |all, object| {
-            let all = all.content(object.content).vec3(object.albedo).word(object.casts.into()).vec3(object.pivot);
+            let all = all.content(object.content).vec3(object.albedo).vec3(object.emission);
+            let all = all.word(object.casts.into()).vec3(object.pivot);
             all.list(&object.motion, |all, (time, pose)| all.float(*time).quat(pose.rotation).vec3(pose.translation))
         });
         let all = all.list(&self.lights, |all, light| all.content(light.content()));

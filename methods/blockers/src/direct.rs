@@ -68,12 +68,20 @@ pub struct DirectLight<'s, A> {
     quantity: Quantity,
 }
 
-/// What sphere-blocker methods answer: direct light and visibility up to their own order, where spheres can stand for all that
-/// casts shadows. A height field is an open surface: spheres around it would bury the receivers on it.
+/// What sphere-blocker methods answer: direct distant light and visibility up to their own order, where spheres can stand for all
+/// that casts shadows. A height field is an open surface: spheres around it would bury the receivers on it.
 pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
     match request.quantity {
-        _ if facts.height_fields > 0 => Support::Skip("spheres cannot stand for a height field that casts shadows".into()),
-        Quantity::Direct => Support::Exact,
+        _ if facts.height_fields > 0 => {
+            Support::Skip("spheres cannot stand for a height field that casts shadows".into())
+        }
+        Quantity::Direct if facts.emitters == 0 => Support::Exact,
+        Quantity::Direct if facts.distant_lights() == 0 => {
+            Support::Skip("all light comes from objects of the scene, none from afar".into())
+        }
+        Quantity::Direct => {
+            Support::Approximate(format!("leaves out the light of {} objects that emit", facts.emitters))
+        }
         Quantity::Visibility { order } if usize::from(order) <= request.params.int(params::ORDER.name) => {
             Support::Exact
         }

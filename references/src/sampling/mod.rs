@@ -1,10 +1,17 @@
 //! Points and directions to sample: low-discrepancy points, and maps from the unit square to directions with known densities.
 
+#[cfg(test)]
+mod chi_squared;
+mod cone;
 mod cosine;
 mod environment;
 mod key;
 mod random;
 mod sobol;
+#[cfg_attr(not(test), expect(dead_code, reason = "emitting spheres are to be sampled with it"))]
+mod sphere;
+#[cfg_attr(not(test), expect(dead_code, reason = "emitting meshes are to be sampled with it"))]
+mod triangle;
 
 pub(crate) use cosine::CosineLobe;
 pub(crate) use environment::EnvironmentSampler;

@@ -32,6 +32,7 @@ pub(crate) fn object(shape: Shape) -> Object {
         shape: Arc::new(shape),
         content,
         albedo: Rgb::ONE,
+        emission: Rgb::ZERO,
         casts: true,
         motion: Vec::new(),
         pivot: Vec3::ZERO,

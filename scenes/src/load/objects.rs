@@ -70,6 +70,7 @@ fn object(
         content: shape.content(),
         shape: Arc::new(shape),
         albedo: check.albedo(&format!("{field}.albedo"), file.albedo)?,
+        emission: check.radiance(&format!("{field}.emission"), file.emission)?,
         casts: file.casts,
         motion: motion(check, field, &file.motion)?,
         pivot: rest.translation,

@@ -156,7 +156,11 @@ fn empty_scenes() {
     let error = complaint(&folder, &format!("{head}{light}"), "scene.toml");
     assert!(error.contains("objects: expected at least one object"), "{error}");
     let error = complaint(&folder, &format!("{head}{object}"), "scene.toml");
-    assert!(error.contains("lights: expected at least one light"), "{error}");
+    assert!(error.contains("lights: expected at least one light, or an object with emission"), "{error}");
+    let lamp = object.replace("albedo", "emission = [2.0, 1.0, 0.0]\nalbedo");
+    assert_eq!(folder.load(&format!("{head}{lamp}")).map(|scene| scene.facts().emitters).ok(), Some(1));
+    let error = complaint(&folder, &format!("{head}{}", lamp.replace("2.0", "-2.0")), "scene.toml");
+    assert!(error.contains("objects[0].emission"), "{error}");
     let error = complaint(&folder, "", "scene.toml");
     assert!(error.contains("missing field"), "{error}");
 }
