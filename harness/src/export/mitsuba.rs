@@ -4,7 +4,6 @@ use super::radiance_map::RadianceMap;
 use super::{ply, write};
 use crate::Error;
 use halflight_scenes::{Frame, KeyLight, Light, Mesh, Scene, Shape, Sky};
-use std::fmt::Write;
 use std::path::Path;
 
 /// Distance of what is infinitely far, in metres: to receivers some metres apart it seems to shift by 1e-5 rad, and directions
