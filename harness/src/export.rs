@@ -7,8 +7,8 @@ mod radiance_map;
 use crate::progress::Progress;
 use crate::recorder::Recorder;
 use crate::{Error, probe};
-use halflight_contract::Cache;
-use halflight_references::{Estimate, Quality, Reference, ReferenceStore, obtain};
+use halflight_contract::{Cache, Quantity};
+use halflight_references::{Estimate, Quality, Reference, ReferenceStore, Request, obtain};
 use halflight_scenes::{Frame, Receivers, Scene};
 use serde::Serialize;
 use std::fmt::Write;
@@ -71,7 +71,9 @@ fn truth(scene: &Scene, frame: &Frame, quality: &Quality, seed: u64, cache: &Pat
     let mut progress = Progress::new(1);
     let mut steps = |what: &str, done, total| progress.within("truth", what, done, total);
     let mut meter = Recorder::new(&mut steps);
-    let (estimate, _, _) = obtain(&store, &Reference::Truth, scene, frame, quality, seed, &derived, &mut meter)?;
+    let (reference, quantity) = (&Reference::TRUTH, Quantity::Direct);
+    let request = Request { reference, quantity, scene, frame, quality, seed };
+    let (estimate, _, _) = obtain(&store, &request, &derived, &mut meter)?;
     Ok(estimate)
 }
 

@@ -49,7 +49,7 @@ pub use environment::{cpu_features, environment};
 pub use error::Error;
 pub use export::{Check, export_to_mitsuba};
 pub use plan::{Group, Plan, Stage, State, Terms};
-pub use probe::{Answers, Source, probe};
+pub use probe::{Answers, Question, Source, probe};
 pub use run::{Options, Summary, run};
 pub use select::{DEFAULT_SUITE, Selection};
 pub use settings::Setting;

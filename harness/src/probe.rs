@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::recorder::Recorder;
 use crate::{Error, Setting, judge, plan};
 use halflight_contract::{Backend, Cache, Method, Params, Quantity, Request, Support};
-use halflight_references::{Quality, Reference, ReferenceStore};
+use halflight_references::{Quality, Reference, ReferenceStore, obtain};
 use halflight_scenes::{Rgb, Scene};
 use std::path::Path;
 
@@ -15,6 +15,19 @@ pub enum Source {
     Method(&'static dyn Method, Params),
     /// A reference with so many samples at every point.
     Reference(Reference, u32),
+}
+
+/// What is asked.
+#[derive(Clone, Copy)]
+pub struct Question<'a> {
+    /// A scene with its receivers at the points.
+    pub scene: &'a Scene,
+    /// Its frame.
+    pub frame: usize,
+    /// Which light.
+    pub quantity: Quantity,
+    /// Seed of everything random.
+    pub seed: u64,
 }
 
 /// The answers, one entry a point.
@@ -51,13 +64,11 @@ impl Source {
 ///
 /// # Errors
 /// The scene has no such frame, the method does not serve it, or the computation fails; the message says which.
-pub fn probe(scene: &Scene, frame: usize, source: &Source, seed: u64, cache: &Path) -> Result<Answers, Error> {
-    check_frame(scene, frame)?;
+pub fn probe(question: &Question<'_>, source: &Source, cache: &Path) -> Result<Answers, Error> {
+    check_frame(question.scene, question.frame)?;
     match source {
-        Source::Method(method, params) => of_method(scene, frame, *method, params, seed, cache),
-        Source::Reference(reference, samples) => {
-            of_reference(scene, frame, reference, &Quality::fixed(*samples), seed, cache)
-        }
+        Source::Method(method, params) => of_method(question, *method, params, cache),
+        Source::Reference(reference, samples) => of_reference(question, reference, &Quality::fixed(*samples), cache),
     }
 }
 
@@ -70,22 +81,20 @@ pub(crate) fn check_frame(scene: &Scene, frame: usize) -> Result<(), Error> {
 }
 
 fn of_method(
-    scene: &Scene,
-    frame: usize,
+    question: &Question<'_>,
     method: &'static dyn Method,
     params: &Params,
-    seed: u64,
     cache: &Path,
 ) -> Result<Answers, Error> {
+    let Question { scene, quantity, seed, .. } = *question;
     let (id, backend) = (method.info().id, Backend::Cpu);
     let serves = |quantity| method.supports(&scene.facts(), &Request { quantity, backend, params });
-    if let Support::Skip(why) = serves(Quantity::Direct) {
-        return Err(Error::Other(format!("{id} does not serve {}: {why}", scene.name)));
+    if let Support::Skip(why) = serves(quantity) {
+        return Err(Error::Other(format!("{id} does not serve {quantity} of {}: {why}", scene.name)));
     }
     let failed = |error| Error::Other(format!("{id} failed on {}: {error}", scene.name));
     let cache = Cache::in_folder(&cache.join("derived"));
-    let frame = scene.frame(frame);
-    let quantity = Quantity::Direct;
+    let frame = scene.frame(question.frame);
     let mut runner = Runner::new(Task { scene, method, params, quantity, backend, seed, repeats: 0, cache: &cache });
     let mut progress = Progress::new(1);
     let mut steps = |what: &str, done, total| progress.within(id, what, done, total);
@@ -107,22 +116,21 @@ fn order(params: &Params) -> Option<u8> {
 }
 
 fn of_reference(
-    scene: &Scene,
-    frame: usize,
+    question: &Question<'_>,
     reference: &Reference,
     quality: &Quality,
-    seed: u64,
     cache: &Path,
 ) -> Result<Answers, Error> {
+    let Question { scene, quantity, seed, .. } = *question;
     let store = ReferenceStore::open(cache.join("references"))?;
     let derived = Cache::in_folder(&cache.join("derived"));
     let label = reference.id();
     let mut progress = Progress::new(1);
     let mut steps = |what: &str, done, total| progress.within(&label, what, done, total);
-    let frame = scene.frame(frame);
+    let frame = &scene.frame(question.frame);
     let mut meter = Recorder::new(&mut steps);
-    let (estimate, _, _) =
-        halflight_references::obtain(&store, reference, scene, &frame, quality, seed, &derived, &mut meter)?;
+    let request = halflight_references::Request { reference, quantity, scene, frame, quality, seed };
+    let (estimate, _, _) = obtain(&store, &request, &derived, &mut meter)?;
     let standard_error = Some(estimate.standard_error());
     Ok(Answers { radiance: estimate.mean, standard_error, visibility: None })
 }

@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::recorder::Recorder;
 use crate::score::{self, Judgement, With};
 use halflight_contract::{Cache, Support};
-use halflight_references::{Quality, ReferenceStore};
+use halflight_references::{Quality, ReferenceStore, Request};
 use halflight_results::{Cell, Environment, Failure, Key, Record, Run, Skip, Store, StoreError};
 use halflight_scenes::{Frame, Scene};
 use std::path::PathBuf;
@@ -105,24 +105,26 @@ impl<'p> Todo<'p> {
     /// Notes the references that a cell lacks a score against.
     fn judge(&mut self, group: &Group, cell: &Cell, seed: u64, store: &Store, quality: &Quality) {
         let frame = cell.frame as usize;
-        for &reference in &group.references {
-            let known = self.judgements.iter().position(|j| j.frame == frame && j.reference == reference);
+        let quantity = group.quantity;
+        for reference in &group.references {
+            let same = |j: &Judgement| j.frame == frame && j.quantity == quantity && j.reference == *reference;
+            let known = self.judgements.iter().position(same);
             let key = match known {
                 Some(known) => self.judgements[known].key.clone(),
-                None => reference_key(&halflight_references::key(
-                    &reference,
-                    self.scene,
-                    &self.frames[frame],
-                    quality,
-                    seed,
-                )),
+                None => {
+                    let (scene, frame) = (self.scene, &self.frames[frame]);
+                    reference_key(&Request { reference, quantity, scene, frame, quality, seed }.key())
+                }
             };
             if score::is_scored(&cell.key(), &key, store) {
                 continue;
             }
             match known {
                 Some(known) => self.judgements[known].cells.push(cell.key()),
-                None => self.judgements.push(Judgement { frame, reference, key, cells: vec![cell.key()] }),
+                None => {
+                    let (reference, cells) = (reference.clone(), vec![cell.key()]);
+                    self.judgements.push(Judgement { frame, reference, quantity, key, cells });
+                }
             }
         }
     }

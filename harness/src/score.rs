@@ -1,15 +1,16 @@
 //! Scores: a cell's picture against its references. Only those that are not in the store are made.
 
-use halflight_contract::{Cache, Meter};
+use halflight_contract::{Cache, Meter, Quantity};
 use halflight_metrics::VERSION;
-use halflight_references::{Quality, Reference, ReferenceStore};
+use halflight_references::{Quality, Reference, ReferenceStore, Request, obtain};
 use halflight_results::{Key, Layout, Picture, ReferencePicture, Score, Store, StoreError};
 use halflight_scenes::{Frame, Receivers, Scene};
 
-/// A reference on one frame, and the cells that lack a score against it.
+/// A reference of a quantity on one frame, and the cells that lack a score against it.
 pub(crate) struct Judgement {
     pub(crate) frame: usize,
     pub(crate) reference: Reference,
+    pub(crate) quantity: Quantity,
     /// Of everything that decides the reference.
     pub(crate) key: Key,
     pub(crate) cells: Vec<Key>,
@@ -46,16 +47,9 @@ impl Judgement {
         store: &Store,
         meter: &mut dyn Meter,
     ) -> Result<Judge, String> {
-        let obtained = halflight_references::obtain(
-            with.references,
-            &self.reference,
-            scene,
-            frame,
-            with.quality,
-            with.seed,
-            with.cache,
-            meter,
-        );
+        let (reference, quantity) = (&self.reference, self.quantity);
+        let request = Request { reference, quantity, scene, frame, quality: with.quality, seed: with.seed };
+        let obtained = obtain(with.references, &request, with.cache, meter);
         let (estimate, _, made) = obtained.map_err(|e| e.to_string())?;
         let picture = ReferencePicture {
             layout: layout(&frame.receivers),

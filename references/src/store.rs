@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use halflight_contract::{Cache, Meter};
-use halflight_scenes::{Content, Frame, Layout, Scene};
+use halflight_scenes::{Content, Layout};
 
-use crate::{Error, Estimate, Quality, REVISION, Reference, Result, estimate, pixels};
+use crate::estimate::estimate_onwards;
+use crate::partial::Partial;
+use crate::{Error, Estimate, REVISION, Request, Result, pixels};
 
 /// A folder of estimates, each a picture `KEY.exr` followed by the SHA-256 of its bytes in hex, which picture readers do not
 /// look at. A file that is not whole counts as missing.
@@ -66,56 +68,37 @@ fn failure(path: &Path, error: impl std::fmt::Display) -> Error {
     Error::Store { path: path.to_owned(), message: error.to_string() }
 }
 
-/// Names an estimate by all that it depends on and nothing else: the reference, the posed objects that cast shadows, the
-/// lights, the receivers, the quality, the seed and [`REVISION`]. Neither the scene's name nor its camera counts.
-pub fn key(reference: &Reference, scene: &Scene, frame: &Frame, quality: &Quality, seed: u64) -> String {
-    let mut parts = vec![
-        "reference".to_owned(),
-        REVISION.to_owned(),
-        reference.id(),
-        format!("seed {seed}, receivers {:016x}", frame.receivers.revision.0),
-        format!(
-            "error {:08x}, samples {} to {}, batches {}",
-            quality.standard_error.to_bits(),
-            quality.min_samples,
-            quality.max_samples,
-            quality.batches
-        ),
-    ];
-    for posed in frame.objects.iter().filter(|posed| scene.objects[posed.object].casts) {
-        let bits = |values: &[f32]| values.iter().map(|v| format!("{:08x}", v.to_bits())).collect::<String>();
-        let (turn, shift) = (posed.pose.rotation.to_array(), posed.pose.translation.to_array());
-        parts.push(format!("object {} {} {}", scene.objects[posed.object].content, bits(&turn), bits(&shift)));
-    }
-    parts.extend(scene.lights.iter().map(|light| format!("light {}", light.content())));
-    Content::of_parts(parts.iter().map(String::as_bytes)).to_string()
-}
-
-/// The estimate of a reference from the store, or made and kept there; with its key, and whether it was made.
+/// The estimate that answers a request from the store, or made and kept there; with its key, and whether it was made. One that
+/// was begun and broken off goes on where it stopped, to the same bits.
 ///
 /// # Errors
-/// As [`estimate()`], or the store cannot be written.
-#[allow(clippy::too_many_arguments, reason = "what a reference depends on, and where it goes")]
+/// As [`crate::estimate()`], or the store cannot be written.
 pub fn obtain(
     store: &ReferenceStore,
-    reference: &Reference,
-    scene: &Scene,
-    frame: &Frame,
-    quality: &Quality,
-    seed: u64,
+    request: &Request<'_>,
     cache: &Cache,
     meter: &mut dyn Meter,
 ) -> Result<(Estimate, String, bool)> {
-    let key = key(reference, scene, frame, quality, seed);
-    if let Some(kept) = store.get(&key).filter(|kept| kept.mean.len() == frame.receivers.len()) {
+    let key = request.key();
+    if let Some(kept) = store.get(&key).filter(|kept| kept.mean.len() == request.frame.receivers.len()) {
         return Ok((kept, key, false));
     }
-    let made = estimate(reference, scene, frame, quality, seed, cache, meter)?;
+    let mut partial = Partial::at(store.folder.join(format!("{key}.begun")));
+    let begun = partial.resume();
+    let mut keep = |estimate: &Estimate, first: usize| {
+        partial.keep(estimate, first).map_err(|error| failure(partial.path(), error))
+    };
+    let made = estimate_onwards(request, begun, &mut keep, cache, meter)?;
     let notes = format!(
-        "halflight reference {reference} of scene {:?}, frame {}, seed {seed}, {quality:?}, revision {REVISION}, key {key}",
-        scene.name.escape_default().to_string(),
-        frame.index
+        "halflight reference {} of {}, scene {:?}, frame {}, seed {}, {:?}, revision {REVISION}, key {key}",
+        request.reference,
+        request.quantity,
+        request.scene.name.escape_default().to_string(),
+        request.frame.index,
+        request.seed,
+        request.quality,
     );
-    store.put(&key, &made, frame.receivers.layout, &notes)?;
+    store.put(&key, &made, request.frame.receivers.layout, &notes.escape_default().to_string())?;
+    partial.remove();
     Ok((made, key, true))
 }

@@ -116,6 +116,7 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         content: shape.content(),
         shape: Arc::new(shape),
         albedo: Rgb::new(0.8, 0.6, 0.4),
+        emission: Rgb::ZERO,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,

@@ -1,7 +1,8 @@
 //! `halflight probe`.
 
 use super::{CacheDir, Ending, say};
-use crate::probe::{Answers, Source, probe};
+use crate::plan::quantity;
+use crate::probe::{Answers, Question, Source, probe};
 use crate::settings::Setting;
 use clap::Args;
 use glam::Vec3;
@@ -29,6 +30,9 @@ pub(super) struct Probe {
     /// Samples of the reference at every point
     #[arg(long, value_name = "N", default_value_t = 4096)]
     samples: u32,
+    /// Which light: direct, indirect-N by up to N bounces, total
+    #[arg(long, default_value = "direct")]
+    quantity: String,
     /// The frame
     #[arg(long, default_value_t = 0)]
     frame: usize,
@@ -63,7 +67,8 @@ impl Probe {
         };
         let points = halflight_scenes::read_points_csv(&self.at)?;
         let scene = halflight_scenes::find(&self.scene)?.with_receivers(&points);
-        let answers = probe(&scene, self.frame, &source, self.seed, &self.cache.path()?)?;
+        let (frame, quantity, seed) = (self.frame, quantity(&self.quantity)?, self.seed);
+        let answers = probe(&Question { scene: &scene, frame, quantity, seed }, &source, &self.cache.path()?)?;
         let rows = rows(&points, &answers);
         if self.json {
             say(&serde_json::to_string_pretty(&rows)?)

@@ -8,9 +8,7 @@ mod environment;
 mod key;
 mod random;
 mod sobol;
-#[cfg_attr(not(test), expect(dead_code, reason = "emitting spheres are to be sampled with it"))]
 mod sphere;
-#[cfg_attr(not(test), expect(dead_code, reason = "emitting meshes are to be sampled with it"))]
 mod triangle;
 
 pub(crate) use cosine::CosineLobe;
@@ -18,8 +16,10 @@ pub(crate) use environment::EnvironmentSampler;
 pub(crate) use key::KeySampler;
 pub(crate) use random::mix;
 pub(crate) use sobol::Sobol;
+pub(crate) use sphere::SphereSampler;
+pub(crate) use triangle::TriangleSampler;
 
 /// Rec. 709 luminance, in `f64` for sums over maps.
-fn luminance(radiance: halflight_scenes::Rgb) -> f64 {
+pub(crate) fn luminance(radiance: halflight_scenes::Rgb) -> f64 {
     f64::from(radiance.dot(glam::Vec3::new(0.2126, 0.7152, 0.0722)))
 }

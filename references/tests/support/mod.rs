@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
-use halflight_contract::{Cache, NoMeter};
-use halflight_references::{Estimate, Quality, Reference, estimate};
+use halflight_contract::{Cache, NoMeter, Quantity};
+use halflight_references::{Error, Estimate, Quality, Reference, Request, estimate};
 use halflight_scenes::{
     Content, Environment, KeyLight, Light, Mesh, Object, Placement, Rgb, Scene, Shape, Sky, Sphere,
 };
@@ -110,7 +110,19 @@ pub(crate) fn normals(count: usize) -> Vec<Vec3> {
         .collect()
 }
 
+/// A reference of direct light.
 pub(crate) fn run(reference: &str, scene: &Scene, quality: &Quality, seed: u64) -> Estimate {
-    let reference = Reference::parse(reference).expect("a reference");
-    estimate(&reference, scene, &scene.frame(0), quality, seed, &Cache::in_memory(), &mut NoMeter).expect("an estimate")
+    run_of(Quantity::Direct, reference, scene, quality, seed).expect("an estimate")
+}
+
+pub(crate) fn run_of(
+    quantity: Quantity,
+    reference: &str,
+    scene: &Scene,
+    quality: &Quality,
+    seed: u64,
+) -> Result<Estimate, Error> {
+    let reference = &Reference::parse(reference).expect("a reference");
+    let request = Request { reference, quantity, scene, frame: &scene.frame(0), quality, seed };
+    estimate(&request, &Cache::in_memory(), &mut NoMeter)
 }
