@@ -82,6 +82,9 @@ pub(crate) fn estimate_onwards(
     meter: &mut dyn Meter,
 ) -> Result<Estimate> {
     request.check()?;
+    if let Quantity::Visibility { .. } = request.quantity {
+        return Err(request.not_served("visibility is no radiance, expected a call of `visibility`".into()));
+    }
     let traced = Arc::new(Traced::new(request.scene, request.frame, request.reference));
     let emitters = Arc::new(Emitters::new(&traced));
     let sampler = Sampler {
