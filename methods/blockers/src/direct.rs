@@ -288,3 +288,19 @@ impl std::ops::Add for Work {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use halflight_contract::Backend;
+
+    use super::*;
+
+    #[test]
+    fn height_fields_that_cast_are_left_to_others() {
+        let params = Params::default();
+        let request = Request { quantity: Quantity::Direct, backend: Backend::Cpu, params: &params };
+        let answer = |height_fields| supports(&SceneFacts { height_fields, ..SceneFacts::default() }, &request);
+        assert!(matches!(answer(1), Support::Skip(why) if why.contains("height field")));
+        assert!(matches!(answer(0), Support::Exact));
+    }
+}
