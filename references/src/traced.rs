@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use halflight_scenes::{Frame, Mesh, Pose, PosedObject, Rgb, Scene, Shape, Which};
-use halflight_trace::{Hit, Ray, World};
+use halflight_trace::{Hit, Ray, World, clearance, clearance_of_point};
 
 use crate::Reference;
 
@@ -41,13 +41,6 @@ pub(crate) struct Surface {
     pub(crate) emission: Rgb,
 }
 
-/// How far off its own surface a receiver's rays start, in rounding steps of the largest coordinate of the object that it lies
-/// on: a position on a triangle is a sum of a few rounded products of its corners. What lies on nothing that casts needs none.
-const OFFSET_STEPS: f32 = 16.0;
-
-/// The same for a receiver of which only the position is known: that was rounded once.
-const OFFSET_STEPS_OF_POINTS: f32 = 2.0;
-
 /// Rays leave a height field straight up, where there is nothing more of it: the way along a normal may lead into the far side of
 /// a steep pit. They start as far from the surface as along its normal, if that rises by at least this (slopes up to 86°).
 const STEEPEST: f32 = 1.0 / 16.0;
@@ -74,11 +67,12 @@ impl Traced {
     /// Where rays start that leave a point of an object, if it is known to lie on one, on the side of the normal.
     pub(crate) fn lift(&self, object: Option<u32>, position: Vec3, normal: Vec3) -> Vec3 {
         let step = match object.map(|object| &self.objects[object as usize]) {
-            Some(body) if body.casts => OFFSET_STEPS * body.reach * off(&body.shape, normal),
+            Some(body) if body.casts => clearance(body.reach) * off(&body.shape, normal),
+            // What no ray can hit is in no ray's way.
             Some(_) => Vec3::ZERO,
-            None => OFFSET_STEPS_OF_POINTS * position.length() * normal,
+            None => clearance_of_point(position) * normal,
         };
-        position + f32::EPSILON * step
+        position + step
     }
 
     /// What a ray has hit.
