@@ -336,7 +336,7 @@ fn irradiance_follows_from_horizons() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn points_between_vertices_see_what_samples_see(seed: u32, u in 0.0..1.0, v in 0.0..1.0, azimuth in 0.0..TAU) {
