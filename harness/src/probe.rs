@@ -26,6 +26,8 @@ pub struct Question<'a> {
     pub frame: usize,
     /// Which light.
     pub quantity: Quantity,
+    /// SH order in which a reference is asked for visibility too; a method gives its own order's.
+    pub visibility: Option<u8>,
     /// Seed of everything random.
     pub seed: u64,
 }
@@ -36,8 +38,10 @@ pub struct Answers {
     pub radiance: Vec<Rgb>,
     /// Its standard error, from a reference.
     pub standard_error: Option<Vec<Rgb>>,
-    /// Visibility coefficients, `order²` a point, from a method that has them.
+    /// Visibility coefficients, `order²` a point, from a method that has them or a reference that is asked for them.
     pub visibility: Option<Vec<Vec<f32>>>,
+    /// Their standard errors, from a reference.
+    pub visibility_error: Option<Vec<Vec<f32>>>,
 }
 
 impl Source {
@@ -106,7 +110,8 @@ fn of_method(
         let all = runner.visibility(&frame, order, &mut steps).map_err(failed)?;
         Ok(all.chunks(usize::from(order).pow(2)).map(<[f32]>::to_vec).collect())
     });
-    Ok(Answers { radiance: shaded.radiance, standard_error: None, visibility: visibility.transpose()? })
+    let visibility = visibility.transpose()?;
+    Ok(Answers { radiance: shaded.radiance, standard_error: None, visibility, visibility_error: None })
 }
 
 /// The SH order that a method works at, where it declares one.
@@ -132,5 +137,17 @@ fn of_reference(
     let request = halflight_references::Request { reference, quantity, scene, frame, quality, seed };
     let (estimate, _, _) = obtain(&store, &request, &derived, &mut meter)?;
     let standard_error = Some(estimate.standard_error());
-    Ok(Answers { radiance: estimate.mean, standard_error, visibility: None })
+    let visibility = question.visibility.map(|order| {
+        let request = halflight_references::Request { quantity: Quantity::Visibility { order }, ..request };
+        halflight_references::visibility(&request, &derived, &mut meter)
+    });
+    let (visibility, visibility_error) = match visibility.transpose()? {
+        Some(found) => {
+            let rows = |all: &[f32]| all.chunks_exact(found.order * found.order).map(<[f32]>::to_vec).collect();
+            let errors: Vec<f32> = found.variance.iter().map(|variance| variance.sqrt()).collect();
+            (Some(rows(&found.mean)), Some(rows(&errors)))
+        }
+        None => (None, None),
+    };
+    Ok(Answers { radiance: estimate.mean, standard_error, visibility, visibility_error })
 }
