@@ -36,6 +36,17 @@ pub(crate) enum Axis {
 }
 
 impl TracedRay {
+    /// In place of a ray that hits nothing, where there must be one.
+    pub(crate) const NONE: TracedRay = TracedRay {
+        origin: Vec3::ZERO,
+        direction: Vec3::Z,
+        t_min: f32::INFINITY,
+        inverse: Vec3::ONE,
+        axes: [Axis::X, Axis::Y, Axis::Z],
+        start: [0.0; 3],
+        slopes: [0.0; 3],
+    };
+
     /// Nothing for a ray that is not finite or has no direction.
     #[inline(always)]
     pub(crate) fn new(origin: Vec3, direction: Vec3, t_min: f32) -> Option<Self> {

@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::super::{ALL_LANES, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, traverse};
+use super::super::{ALL_LANES, BUNDLE, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, stream, traverse};
 use super::{BoxRay, Kernel};
 use crate::traced_ray::TracedRay;
 
@@ -39,6 +39,29 @@ impl Avx2 {
         unsafe { compiled(self, tree, ray, t_max, stack) }
     }
 
+    pub(super) fn any_of<P: Packet>(
+        self,
+        tree: &Hierarchy<P>,
+        rays: &[TracedRay],
+        ends: &[f32],
+        open: u64,
+        stack: &mut Stack<P::Scratch>,
+    ) -> u64 {
+        #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+        fn compiled<P: Packet>(
+            kernel: Avx2,
+            tree: &Hierarchy<P>,
+            rays: &[TracedRay],
+            ends: &[f32],
+            open: u64,
+            stack: &mut Stack<P::Scratch>,
+        ) -> u64 {
+            stream::any_of(kernel, tree, rays, ends, open, stack)
+        }
+        // SAFETY: `self` proves the features.
+        unsafe { compiled(self, tree, rays, ends, open, stack) }
+    }
+
     pub(super) fn closest<P: Packet>(
         self,
         tree: &Hierarchy<P>,
@@ -72,6 +95,12 @@ impl Kernel for Avx2 {
     fn straddling(self, corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
         // SAFETY: `self` proves the features.
         unsafe { straddling(corners, ray) }
+    }
+
+    #[inline(always)]
+    fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES] {
+        // SAFETY: `self` proves the features.
+        unsafe { transpose(masks) }
     }
 
     #[inline(always)]
@@ -163,6 +192,22 @@ fn push(children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
         let children = _mm256_loadu_si256(children.as_ptr().cast());
         _mm256_storeu_si256(room.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(children, order));
     }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+fn transpose(masks: &[u8; BUNDLE]) -> [u64; LANES] {
+    // SAFETY: the array holds the two times 32 bytes that are read.
+    let [low, high] = [0, 32].map(|at| unsafe { _mm256_loadu_si256(masks[at..].as_ptr().cast()) });
+    let mut rays = [0; LANES];
+    for (lane, rays) in rays.iter_mut().enumerate() {
+        // The lane's bit comes to the top of its byte; what the shift carries over stays below it.
+        let up = _mm_cvtsi32_si128((LANES - 1 - lane) as i32);
+        let low = _mm256_movemask_epi8(_mm256_sll_epi64(low, up)) as u32;
+        let high = _mm256_movemask_epi8(_mm256_sll_epi64(high, up)) as u32;
+        *rays = u64::from(low) | u64::from(high) << 32;
+    }
+    rays
 }
 
 #[inline]

@@ -8,7 +8,7 @@ mod scalar;
 
 use glam::Vec3;
 
-use super::{Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
+use super::{BUNDLE, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
 use crate::traced_ray::TracedRay;
 
 /// A set of instructions. A value of it is proof that the machine has them.
@@ -25,6 +25,9 @@ pub(crate) trait Kernel: Copy {
 
     /// Writes the children in `mask` to the front of `room`, in their order; what follows them there is void.
     fn push(self, children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]);
+
+    /// For each lane, the mask of the rays whose masks of lanes hold it.
+    fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES];
 }
 
 /// A ray as the boxes of one tree see it.
@@ -88,6 +91,23 @@ impl Level {
             Level::Avx2(kernel) => kernel.any(tree, ray, t_max, stack),
             #[cfg(target_arch = "x86_64")]
             Level::Avx512(kernel) => kernel.any(tree, ray, t_max, stack),
+        }
+    }
+
+    pub(super) fn any_of<P: Packet>(
+        self,
+        tree: &Hierarchy<P>,
+        rays: &[TracedRay],
+        ends: &[f32],
+        open: u64,
+        stack: &mut Stack<P::Scratch>,
+    ) -> u64 {
+        match self {
+            Level::Scalar(kernel) => super::stream::any_of(kernel, tree, rays, ends, open, stack),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(kernel) => kernel.any_of(tree, rays, ends, open, stack),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(kernel) => kernel.any_of(tree, rays, ends, open, stack),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Lane by lane, for any machine; what the other kernels are tested against.
 
-use super::super::{Child, LANES, Node};
+use super::super::{BUNDLE, Child, LANES, Node};
 use super::{BoxRay, Kernel};
 use crate::traced_ray::TracedRay;
 
@@ -40,6 +40,11 @@ impl Kernel for Scalar {
             let edges = [[c, b], [a, c], [b, a]].map(|[p, q]| p[0] * q[1] - p[1] * q[0]);
             !(edges.iter().any(|e| *e < 0.0) && edges.iter().any(|e| *e > 0.0))
         })
+    }
+
+    #[inline(always)]
+    fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES] {
+        std::array::from_fn(|lane| (0..BUNDLE).fold(0, |rays, ray| rays | u64::from(masks[ray] >> lane & 1) << ray))
     }
 
     #[inline(always)]
