@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
-/// Bounds, relative to a coordinate's distance from the ray's start, what rounding may add up to between a box's
-/// planes and the sheared corners of a triangle inside: four roundings for the shear, six for the planes, and some
-/// to spare (Woop, Benthin and Wald 2013, section 4).
-const ROUNDING: f32 = 16.0 * (f32::EPSILON / 2.0);
+/// Bounds, relative to coordinates and their distances from the ray's start, what rounding may add up to between a
+/// box's planes and the sheared corners of a triangle inside: four roundings for the shear, six for the planes, and
+/// some to spare (Woop, Benthin and Wald 2013, section 4).
+pub(crate) const ROUNDING: f32 = 16.0 * (f32::EPSILON / 2.0);
 
 /// Direction components below this fraction of the largest count as that fraction, far below [`ROUNDING`]: no
 /// plane distance is then `0·∞`, and a ray parallel to a plane keeps to its side.
@@ -69,7 +69,8 @@ impl TracedRay {
     #[inline(always)]
     pub(crate) fn slack(&self, bounds: &[Vec3; 2]) -> Vec3 {
         let reach = (bounds[0] - self.origin).abs().max((bounds[1] - self.origin).abs());
-        (reach + reach.to_array()[self.axes[2] as usize]) * ROUNDING * self.inverse.abs()
+        let carried = Vec3::splat(reach.to_array()[self.axes[2] as usize]);
+        (self.origin.abs() + reach + carried) * self.inverse.abs() * ROUNDING
     }
 
     /// A point, given along the permuted axes, in the space where the ray starts at the origin and runs along +z with

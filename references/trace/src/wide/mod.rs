@@ -69,11 +69,11 @@ pub(crate) struct Id {
     pub(crate) primitive: u32,
 }
 
-/// Boxes by corner, axis and lane, and what lies in them. Four cache lines.
+/// Boxes by axis, side (low, high) and lane, and what lies in them. Four cache lines.
 #[repr(C, align(64))]
 #[derive(Clone)]
 pub(crate) struct Node {
-    corners: [[[f32; LANES]; 3]; 2],
+    planes: [[[f32; LANES]; 2]; 3],
     children: [Child; LANES],
     /// Mask of the lanes that hold a child.
     occupied: u32,

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::super::{ALL_LANES, BUNDLE, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, stream, traverse};
-use super::{BoxRay, Kernel};
+use super::{BoxRay, FAR, Kernel};
 use crate::traced_ray::TracedRay;
 
 /// Proof that AVX2, FMA and the instructions that count bits are there: made by [`Avx2::detect`] only.
@@ -116,13 +116,11 @@ impl Kernel for Avx2 {
 pub(super) fn interval(node: &Node, ray: &BoxRay, t_max: f32) -> (__m256, __m256) {
     let (mut near, mut far) = (_mm256_set1_ps(ray.t_min), _mm256_set1_ps(t_max));
     for axis in 0..3 {
-        let origin = _mm256_set1_ps(ray.origin[axis]);
         let inverse = _mm256_set1_ps(ray.inverse[axis]);
-        let slack = _mm256_set1_ps(ray.slack[axis]);
-        let first = load(&node.corners[usize::from(ray.negative[axis])][axis]);
-        let last = load(&node.corners[usize::from(!ray.negative[axis])][axis]);
-        let first = _mm256_fmsub_ps(_mm256_sub_ps(first, origin), inverse, slack);
-        let last = _mm256_fmadd_ps(_mm256_sub_ps(last, origin), inverse, slack);
+        // SAFETY: `BoxRay::new` made the places of these planes, which the node holds.
+        let [first, last] = unsafe { [plane(node, ray.first[axis]), plane(node, ray.first[axis] ^ FAR)] };
+        let first = _mm256_fmsub_ps(first, inverse, _mm256_set1_ps(ray.offsets[0][axis]));
+        let last = _mm256_fmsub_ps(last, inverse, _mm256_set1_ps(ray.offsets[1][axis]));
         // The second operand is kept where the first is not a number: it cuts nothing off.
         near = _mm256_max_ps(first, near);
         far = _mm256_min_ps(last, far);
@@ -208,6 +206,15 @@ fn transpose(masks: &[u8; BUNDLE]) -> [u64; LANES] {
         *rays = u64::from(low) | u64::from(high) << 32;
     }
     rays
+}
+
+/// # Safety
+/// `place` must be that of a row of [`Node::planes`], in bytes.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+unsafe fn plane(node: &Node, place: u32) -> __m256 {
+    // SAFETY: the caller's, and nodes are aligned to more than a row.
+    unsafe { _mm256_load_ps((&raw const node.planes).byte_add(place as usize).cast()) }
 }
 
 #[inline]

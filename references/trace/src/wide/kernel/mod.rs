@@ -9,7 +9,7 @@ mod scalar;
 use glam::Vec3;
 
 use super::{BUNDLE, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
-use crate::traced_ray::TracedRay;
+use crate::traced_ray::{ROUNDING, TracedRay};
 
 /// A set of instructions. A value of it is proof that the machine has them.
 pub(crate) trait Kernel: Copy {
@@ -30,26 +30,36 @@ pub(crate) trait Kernel: Copy {
     fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES];
 }
 
-/// A ray as the boxes of one tree see it.
+/// A ray as the boxes of one tree see it: it meets a plane at `plane·inverse − offset`. The offsets give way by what
+/// rounding may add up to. One cache line.
+#[repr(align(64))]
 pub(crate) struct BoxRay {
-    origin: Vec3,
-    inverse: Vec3,
-    slack: Vec3,
-    /// Where the direction is negative, the ray meets the box's highest corner first.
-    negative: [bool; 3],
+    inverse: [f32; 3],
+    /// Of the planes that are met first, and of those met last.
+    offsets: [[f32; 3]; 2],
+    /// Where the planes met first lie in [`Node::planes`], in bytes; those met last lie at [`FAR`] from there.
+    first: [u32; 3],
     t_min: f32,
 }
+
+/// What turns the place of one of a pair of planes into that of the other, by exclusive or.
+const FAR: u32 = (LANES * size_of::<f32>()) as u32;
 
 impl BoxRay {
     #[inline(always)]
     pub(super) fn new(ray: &TracedRay, bounds: &[Vec3; 2]) -> Self {
-        BoxRay {
-            origin: ray.origin,
-            inverse: ray.inverse,
-            slack: ray.slack(bounds),
-            negative: ray.inverse.to_array().map(f32::is_sign_negative),
-            t_min: ray.t_min,
+        let (mut inverse, at_origin, slack) = (ray.inverse, ray.origin * ray.inverse, ray.slack(bounds));
+        let (mut near, mut far) = (at_origin + slack, at_origin - slack);
+        // Coordinates so huge that a plane's distance may overflow: the axis decides nothing.
+        let lost = !(slack / ROUNDING).is_finite_mask();
+        if lost.any() {
+            inverse = Vec3::select(lost, Vec3::ZERO, inverse);
+            near = Vec3::select(lost, Vec3::MAX, near);
+            far = Vec3::select(lost, Vec3::MIN, far);
         }
+        let first = |axis: u32, inverse: f32| 2 * axis * FAR + if inverse.is_sign_negative() { FAR } else { 0 };
+        let first = [first(0, ray.inverse.x), first(1, ray.inverse.y), first(2, ray.inverse.z)];
+        BoxRay { inverse: inverse.into(), offsets: [near.into(), far.into()], first, t_min: ray.t_min }
     }
 }
 
