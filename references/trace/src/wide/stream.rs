@@ -6,6 +6,9 @@ use super::traverse::{ones, walk};
 use super::{BUNDLE, Child, Hierarchy, LANES, Opened, Packet, Stack};
 use crate::traced_ray::TracedRay;
 
+/// So few rays walk alone: sharing out their children costs more than it saves.
+const FEW: u32 = 2;
+
 /// Of the rays in `open`, those that hit anything before their ends.
 #[inline(always)]
 pub(super) fn any_of<P: Packet, K: Kernel>(
@@ -27,11 +30,12 @@ pub(super) fn any_of<P: Packet, K: Kernel>(
     let (mut top, mut group) = (0, Group { child: Child::node(0), rays: open });
     loop {
         group.rays &= !blocked;
-        if group.rays.is_power_of_two() {
-            let i = group.rays.ilog2() as usize;
-            let hit = walk(kernel, tree, &rays[i], &boxes[i], ends[i], group.child, children, scratch);
-            blocked |= u64::from(hit) << i;
-        } else if group.rays != 0 {
+        if group.rays.count_ones() <= FEW {
+            for i in bits(group.rays) {
+                let hit = walk(kernel, tree, &rays[i], &boxes[i], ends[i], group.child, children, scratch);
+                blocked |= u64::from(hit) << i;
+            }
+        } else {
             match group.child.open() {
                 Opened::Node(index) => {
                     let node = &tree.nodes[index];

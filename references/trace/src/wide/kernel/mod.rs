@@ -6,7 +6,7 @@ mod avx2;
 mod avx512;
 mod scalar;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::{BUNDLE, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
 use crate::traced_ray::{ROUNDING, TracedRay};
@@ -48,14 +48,15 @@ const FAR: u32 = (LANES * size_of::<f32>()) as u32;
 impl BoxRay {
     #[inline(always)]
     pub(super) fn new(ray: &TracedRay, bounds: &[Vec3; 2]) -> Self {
-        let (mut inverse, at_origin, slack) = (ray.inverse, ray.origin * ray.inverse, ray.slack(bounds));
+        let mut inverse = Vec3A::from(ray.inverse);
+        let (at_origin, slack) = (Vec3A::from(ray.origin) * inverse, ray.slack(bounds));
         let (mut near, mut far) = (at_origin + slack, at_origin - slack);
         // Coordinates so huge that a plane's distance may overflow: the axis decides nothing.
         let lost = !(slack / ROUNDING).is_finite_mask();
         if lost.any() {
-            inverse = Vec3::select(lost, Vec3::ZERO, inverse);
-            near = Vec3::select(lost, Vec3::MAX, near);
-            far = Vec3::select(lost, Vec3::MIN, far);
+            inverse = Vec3A::select(lost, Vec3A::ZERO, inverse);
+            near = Vec3A::select(lost, Vec3A::MAX, near);
+            far = Vec3A::select(lost, Vec3A::MIN, far);
         }
         let first = |axis: u32, inverse: f32| 2 * axis * FAR + if inverse.is_sign_negative() { FAR } else { 0 };
         let first = [first(0, ray.inverse.x), first(1, ray.inverse.y), first(2, ray.inverse.z)];
