@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use halflight_contract::{Cache, Meter};
-use halflight_scenes::{Frame, Scene};
+use halflight_contract::{Cache, Meter, Quantity};
+use halflight_sh::MAX_ORDER;
 use rayon::prelude::*;
 
 use crate::estimate::visibility as blockers;
@@ -11,7 +11,7 @@ use crate::receiver::Receiver;
 use crate::sampling::mix;
 use crate::traced::Traced;
 use crate::transport::{Plan, Visibilities};
-use crate::{Quality, Reference, Request, Result};
+use crate::{Request, Result};
 
 /// The visibility of the distance at each receiver, projected into spherical harmonics over the whole sphere of directions;
 /// invalid receivers hold zeros.
@@ -27,27 +27,20 @@ pub struct VisibilityEstimate {
     pub batches: u32,
 }
 
-/// Projects the visibility that a reference has, of an order in `1..=8`, with `quality.max_samples` rays a receiver. The same
-/// seed gives the same bits on any number of threads.
+/// Projects the visibility that a reference has, with `quality.max_samples` rays a receiver. The same seed gives the same bits
+/// on any number of threads.
 ///
 /// # Errors
-/// A quality out of range, a reference that visibility does not serve, or derived data that cannot be made.
-pub fn visibility(
-    reference: &Reference,
-    order: usize,
-    scene: &Scene,
-    frame: &Frame,
-    quality: &Quality,
-    seed: u64,
-    cache: &Cache,
-    meter: &mut dyn Meter,
-) -> Result<VisibilityEstimate> {
-    let quantity = halflight_contract::Quantity::Visibility { order: order as u8 };
-    let request = Request { reference, quantity, scene, frame, quality, seed };
-    quality.check()?;
-    reference.serves(quantity, scene).map_err(|reason| request.not_served(reason))?;
-    let traced = Arc::new(Traced::new(scene, frame, reference));
-    let visibility = blockers(&request, &traced, cache, meter)?;
+/// As [`Request::check`], a quantity other than visibility of an order in `1..=8`, or derived data that cannot be made.
+pub fn visibility(request: &Request<'_>, cache: &Cache, meter: &mut dyn Meter) -> Result<VisibilityEstimate> {
+    request.check()?;
+    let Request { quality, frame, seed, .. } = *request;
+    let order = match request.quantity {
+        Quantity::Visibility { order } if (1..=MAX_ORDER).contains(&usize::from(order)) => usize::from(order),
+        _ => return Err(request.not_served(format!("expected visibility of an order from 1 to {MAX_ORDER}"))),
+    };
+    let traced = Arc::new(Traced::new(request.scene, frame, request.reference));
+    let visibility = blockers(request, &traced, cache, meter)?;
     let count = order * order;
     let plan =
         Plan { batches: quality.batches, per_batch: quality.max_samples.div_ceil(quality.batches).next_power_of_two() };

@@ -183,6 +183,9 @@ impl<'q> Sampler<'q> {
     /// Makes what a request needs before the first sample.
     pub(crate) fn new(request: &Request<'q>, cache: &Cache, meter: &mut dyn Meter) -> Result<Self> {
         request.check()?;
+        if let Quantity::Visibility { .. } = request.quantity {
+            return Err(request.not_served("visibility is no radiance, expected a call of `visibility`".into()));
+        }
         let traced = Arc::new(Traced::new(request.scene, request.frame, request.reference));
         let emitters = Arc::new(Emitters::new(&traced));
         let level = level(request, &emitters);

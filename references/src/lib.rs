@@ -6,7 +6,7 @@
 //! reflected by diffuse surfaces before, or both.
 //!
 //! [`estimate()`] answers a [`Request`] with an [`Estimate`], [`obtain`] takes it from a [`ReferenceStore`] where it was made
-//! before, and goes on with one that was broken off. [`visibility`] is the visibility itself. [`statistics`] tests estimates
+//! before, and goes on with one that was broken off. [`visibility()`] is the visibility itself. [`statistics`] tests estimates
 //! against closed forms ([`analytic`]), each other, or methods that claim to be exact.
 //!
 //! How: randomised quasi-Monte Carlo. Each receiver's samples are independently scrambled replicates ("batches") of Sobol

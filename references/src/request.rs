@@ -29,9 +29,6 @@ impl Request<'_> {
     /// A quality out of range, or there is no such reference of this quantity in this scene.
     pub fn check(&self) -> Result<()> {
         self.quality.check()?;
-        if let Quantity::Visibility { .. } = self.quantity {
-            return Err(self.not_served("visibility is no radiance, expected a call of `visibility`".into()));
-        }
         self.reference.serves(self.quantity, self.scene).map_err(|reason| self.not_served(reason))
     }
 

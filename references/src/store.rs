@@ -202,14 +202,14 @@ pub fn obtain(
     if let Some(kept) = kept() {
         return Ok((kept, key, false));
     }
-    request.check()?;
+    // First, so that what cannot be made leaves no file.
+    let sampler = Sampler::new(request, cache, meter)?;
     let mut partial = store.lock(&key, meter)?;
     if let Some(kept) = kept() {
         partial.remove();
         return Ok((kept, key, false));
     }
     let begun = partial.resume(&provenance).map_err(|error| failure(partial.path(), error))?;
-    let sampler = Sampler::new(request, cache, meter)?;
     let mut keep = |estimate: &Estimate, first: usize| {
         partial.keep(estimate, first).map_err(|error| failure(partial.path(), error))
     };

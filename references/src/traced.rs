@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use halflight_scenes::{Frame, Pose, PosedObject, Rgb, Scene, Shape, Which};
-use halflight_trace::{Hit, Ray, World};
+use halflight_trace::{Hit, Ray, World, clearance, clearance_of_point};
 
 use crate::Reference;
 
@@ -41,13 +41,6 @@ pub(crate) struct Surface {
     pub(crate) emission: Rgb,
 }
 
-/// How far off its own surface a receiver's rays start, in rounding steps of the largest coordinate of the object that it lies
-/// on: a position on a triangle is a sum of a few rounded products of its corners. What lies on nothing that casts needs none.
-const OFFSET_STEPS: f32 = 16.0;
-
-/// The same for a receiver of which only the position is known: that was rounded once.
-const OFFSET_STEPS_OF_POINTS: f32 = 2.0;
-
 impl Traced {
     pub(crate) fn new(scene: &Scene, frame: &Frame, reference: &Reference) -> Self {
         let body = |posed: &PosedObject| {
@@ -69,12 +62,13 @@ impl Traced {
 
     /// Where rays start that leave a point of an object, if it is known to lie on one, on the side of the normal.
     pub(crate) fn lift(&self, object: Option<u32>, position: Vec3, normal: Vec3) -> Vec3 {
-        let steps = match object.map(|object| &self.objects[object as usize]) {
-            Some(body) if body.casts => OFFSET_STEPS * body.reach,
+        let offset = match object.map(|object| &self.objects[object as usize]) {
+            Some(body) if body.casts => clearance(body.reach),
+            // What no ray can hit is in no ray's way.
             Some(_) => 0.0,
-            None => OFFSET_STEPS_OF_POINTS * position.length(),
+            None => clearance_of_point(position),
         };
-        position + f32::EPSILON * steps * normal
+        position + offset * normal
     }
 
     /// What a ray has hit.

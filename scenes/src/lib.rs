@@ -6,6 +6,7 @@
 #![doc = include_str!("../README.md")]
 
 mod assets;
+mod bodies;
 mod camera;
 mod check;
 mod content;
@@ -23,6 +24,7 @@ mod scene;
 mod shipped;
 
 pub use assets::read_points_csv;
+pub use bodies::Bodies;
 pub use camera::Camera;
 pub use content::{Content, Revision};
 pub use error::SceneError;

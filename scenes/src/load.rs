@@ -10,7 +10,7 @@ use crate::assets::Assets;
 use crate::check::Checker;
 use crate::content::Content;
 use crate::format::{CameraFile, FramesFile, SceneFile};
-use crate::{Camera, Placement, Scene, SceneError};
+use crate::{Bodies, Camera, Placement, Scene, SceneError};
 
 /// Most pixels along a side of a picture or grid, frames, and receivers over all frames: a plan holds every frame at once, about
 /// 80 bytes a receiver.
@@ -58,6 +58,7 @@ impl Scene {
             frame_count,
             fps,
             notices,
+            bodies: Bodies::default(),
         };
         let receivers = scene.facts().receivers.saturating_mul(scene.frame_count);
         let bound = format!("at most {MOST_RECEIVERS} over all frames");

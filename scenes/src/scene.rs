@@ -4,12 +4,12 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::Vec3;
-use halflight_trace::{Geometry, World};
+use halflight_trace::{Instance, World};
 
 use crate::content::Collector;
 use crate::{
-    Camera, Content, Frame, Light, Object, Placement, PosedLight, PosedObject, Receivers, Rgb, SceneFacts, Shape,
-    placement,
+    Bodies, Camera, Content, Frame, Light, Object, Placement, Pose, PosedLight, PosedObject, Receivers, Rgb,
+    SceneFacts, Shape, placement,
 };
 
 /// A loaded scene.
@@ -36,6 +36,8 @@ pub struct Scene {
     pub fps: f32,
     /// What loading had to repair, one line each.
     pub notices: Vec<String>,
+    /// What frames share for tracing; an empty one is filled as worlds are asked for.
+    pub bodies: Bodies,
 }
 
 /// Which objects a traced world holds.
@@ -97,9 +99,10 @@ impl Scene {
     }
 
     /// The objects at a frame, ready to be traced. The geometry index of a hit is the index of its object; objects
-    /// left out keep theirs.
+    /// left out keep theirs. Hierarchies over triangles and spheres are built for the first frame that needs them;
+    /// later ones get a new top level over what moves.
     pub fn world(&self, frame: &Frame, which: Which) -> World {
-        self.trace(&self.posed(&frame.objects), which)
+        self.trace(&frame.objects, which)
     }
 
     /// The same scene with receivers at given positions and unit normals, albedo 1.
@@ -125,12 +128,17 @@ impl Scene {
         objects.iter().map(|posed| self.objects[posed.object].shape.posed(posed.pose)).collect()
     }
 
-    fn trace(&self, posed: &[Cow<'_, Shape>], which: Which) -> World {
-        let held = self.objects.iter().map(|object| which == Which::All || object.casts);
-        let shapes = posed.iter().zip(held);
-        let geometries: Vec<Geometry> =
-            shapes.map(|(shape, held)| if held { shape.geometry() } else { Geometry::Spheres(&[]) }).collect();
-        World::build(&geometries)
+    /// What never moves is one body, so that rays pay for two levels only where something does.
+    fn trace(&self, posed: &[PosedObject], which: Which) -> World {
+        let held = posed.iter().filter(|posed| which == Which::All || self.objects[posed.object].casts);
+        let (fixed, moving): (Vec<_>, Vec<_>) = held
+            .map(|posed| (posed.object as u32, &self.objects[posed.object], posed.pose))
+            .partition(|(_, object, pose)| object.motion.is_empty() && *pose == Pose::IDENTITY);
+        let fixed: Vec<_> = fixed.into_iter().map(|(index, object, _)| (index, object)).collect();
+        let instance = |(index, object, pose): (u32, &Object, Pose)| {
+            Instance::new(self.bodies.of(&[(0, object)]), pose.rotation, pose.translation, index)
+        };
+        World::new(self.bodies.of(&fixed), &moving.into_iter().map(instance).collect::<Vec<_>>())
     }
 
     fn receivers(&self, objects: &[PosedObject]) -> Receivers {
@@ -138,7 +146,7 @@ impl Scene {
             Placement::Camera => {
                 let camera = self.camera.as_ref().expect("a scene with camera receivers has a camera");
                 let posed = self.posed(objects);
-                placement::pixels(camera, &self.trace(&posed, Which::All), &self.objects, &posed)
+                placement::pixels(camera, &self.trace(objects, Which::All), &self.objects, &posed)
             }
             Placement::Vertices { object } => match &*self.objects[*object].shape {
                 Shape::Mesh(mesh) => {
@@ -148,7 +156,7 @@ impl Scene {
             },
             Placement::Grid(grid) => match grid.object {
                 Some(object) => grid.receivers(self.objects[object].albedo, objects[object].pose),
-                None => grid.receivers(Rgb::ONE, crate::Pose::IDENTITY),
+                None => grid.receivers(Rgb::ONE, Pose::IDENTITY),
             },
             Placement::Points(points) => placement::points(points),
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use halflight_scenes::{
-    Content, Environment, Grid, KeyLight, Light, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sky, Sphere,
+    Bodies, Content, Environment, Grid, KeyLight, Light, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sky, Sphere,
 };
 
 /// Every fixture of exact spheres. [`mesh_in_two_lights`] is left out: what methods derive from a mesh takes long, and
@@ -97,6 +97,7 @@ pub fn scene(name: &str, objects: Vec<Object>, lights: Vec<Light>, placement: Pl
         frame_count: 1,
         fps: 1.0,
         notices: Vec::new(),
+        bodies: Bodies::default(),
     }
 }
 

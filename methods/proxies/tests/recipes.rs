@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 use halflight_contract::{Backend, Cache, Derived, Error, Flow, Job, Meter, NoMeter, Params};
 use halflight_proxies::{MAX_COUNT, SphereSet, SpheresOf, blockers, sphere_sets};
-use halflight_scenes::{Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sphere};
+use halflight_scenes::{Bodies, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sphere};
 use shapes::{icosphere, square, torus};
 
 const COUNT: usize = 6;
@@ -20,6 +20,7 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         shape: Arc::new(shape),
         content,
         albedo: Rgb::ONE,
+        emission: Rgb::ZERO,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,
@@ -44,6 +45,7 @@ fn scene() -> Scene {
         frame_count: 2,
         fps: 1.0,
         notices: Vec::new(),
+        bodies: Bodies::default(),
     }
 }
 

@@ -29,7 +29,7 @@ struct Plane {
     farthest: f64,
 }
 
-/// Sines below this are rounding: of corners in `f32`, taken in `f64`.
+/// Heights over the plane below this share of the distance are rounding.
 const FLAT: f64 = 1e-14;
 
 impl TriangleSampler {
@@ -81,14 +81,11 @@ impl TriangleSampler {
 impl Plane {
     /// `None` if the triangle has no area or lies in one plane with the origin, or is not finite.
     fn of([a, b, c]: &[DVec3; 3]) -> Option<Self> {
-        let (ab, ac) = (b - a, c - a);
-        let normal = ab.cross(ac);
-        let has_area = normal.length() > FLAT * ab.length() * ac.length();
+        let normal = (b - a).cross(c - a).try_normalize()?;
         let nearest = [*a, *b, *c].into_iter().min_by(|p, q| p.length_squared().total_cmp(&q.length_squared()))?;
         let farthest = a.length().max(b.length()).max(c.length());
-        let normal = normal.try_normalize()?;
         let height = normal.dot(nearest).abs();
-        let seen = has_area && height > FLAT * nearest.length() && farthest.is_finite();
+        let seen = height > FLAT * nearest.length() && farthest.is_finite();
         seen.then_some(Plane { normal, height, farthest })
     }
 

@@ -128,7 +128,7 @@ impl Paths {
                 let light = match &surface {
                     Some(surface) if surface.emission == Vec3::ZERO => Vec3::ZERO,
                     Some(surface) => self.emitted(path, ray, surface, &mut front.weights),
-                    None => self.from_afar(path, ray),
+                    None => self.distant(path, ray),
                 };
                 add(batches, path, light);
             }
@@ -231,7 +231,7 @@ impl Paths {
     }
 
     /// Distant light along a ray of the cosine lobe, weighed against sampling the lights.
-    fn from_afar(&self, path: &Path, ray: &Ray) -> Vec3 {
+    fn distant(&self, path: &Path, ray: &Ray) -> Vec3 {
         if self.upper_sky && ray.direction.z < 0.0 {
             return Vec3::ZERO;
         }

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use halflight_contract::{Cache, NoMeter, Quantity};
 use halflight_references::{Error, Estimate, Quality, Reference, Request, estimate};
 use halflight_scenes::{
-    Content, Environment, KeyLight, Light, Mesh, Object, Placement, Rgb, Scene, Shape, Sky, Sphere,
+    Bodies, Content, Environment, KeyLight, Light, Mesh, Object, Placement, Rgb, Scene, Shape, Sky, Sphere,
 };
 
 pub(crate) fn scene(objects: Vec<Object>, lights: Vec<Light>, points: &[(Vec3, Vec3)]) -> Scene {
@@ -22,6 +22,7 @@ pub(crate) fn scene(objects: Vec<Object>, lights: Vec<Light>, points: &[(Vec3, V
         frame_count: 1,
         fps: 1.0,
         notices: Vec::new(),
+        bodies: Bodies::default(),
     }
 }
 

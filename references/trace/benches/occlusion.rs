@@ -8,25 +8,12 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use halflight_trace::{Geometry, Ray, World};
 
+mod random;
+use random::Random;
+
 const BANDS: u32 = 134;
 const RAYS: usize = 4096;
 const BUNDLE: usize = 64;
-
-/// Deterministic numbers in `[0, 1)` (a linear congruential generator's high bits).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    fn direction(&mut self) -> Vec3 {
-        let (z, azimuth) = (2.0 * self.unit() - 1.0, TAU * self.unit());
-        let radius = (1.0 - z * z).max(0.0).sqrt();
-        Vec3::new(radius * azimuth.cos(), radius * azimuth.sin(), z)
-    }
-}
 
 /// A surface folded enough that rays from it meet it again.
 fn bumpy_sphere() -> (Vec<Vec3>, Vec<[u32; 3]>) {

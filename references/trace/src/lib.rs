@@ -5,11 +5,17 @@
 //! without touching them. Nothing here has an absolute epsilon: a scene scaled by any factor that `f32` can
 //! hold gives the same hits, and what lies at the very start of a ray is left out by its `t_min`.
 
+mod body;
+mod clearance;
+mod instance;
 mod sphere;
 mod traced_ray;
 mod triangle;
 mod wide;
 mod world;
 
+pub use body::{Body, Geometry};
+pub use clearance::{clearance, clearance_of_point};
+pub use instance::Instance;
 pub use sphere::Sphere;
-pub use world::{Geometry, Hit, Ray, World};
+pub use world::{Hit, Ray, World};

@@ -3,6 +3,7 @@
 mod build;
 mod collapse;
 mod kernel;
+mod refit;
 #[cfg(test)]
 mod tests;
 mod traverse;
@@ -21,26 +22,40 @@ pub(crate) const ALL_LANES: u32 = (1 << LANES) - 1;
 
 /// A leaf: up to [`LANES`] primitives, laid out for their test.
 pub(crate) trait Packet {
-    type Primitive: Copy;
+    type Primitive: Clone;
+    /// What is known of a hit besides its distance.
+    type Detail: Copy;
+    /// What testing a primitive needs for its own, kept between rays.
+    type Scratch: Default;
+
+    /// The most primitives of a leaf, at most [`LANES`].
+    const CAPACITY: usize = LANES;
 
     /// Lowest and highest corner, finite.
     fn bounds(primitive: &Self::Primitive) -> [Vec3; 2];
 
-    /// At least one and at most [`LANES`] primitives, in this order; lanes that are left over repeat the first.
+    /// At least one and at most `CAPACITY` primitives, in this order; lanes that are left over are never asked for.
     fn pack(primitives: &[Self::Primitive]) -> Self;
 
     /// A mask of lanes, among them all that the ray hits.
     fn candidates<K: Kernel>(&self, kernel: K, ray: &TracedRay) -> u32;
 
     /// The nearest hit of one lane with `t_min < t < t_max`.
-    fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32) -> Option<Found>;
+    fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32, scratch: &mut Self::Scratch)
+    -> Option<Found<Self::Detail>>;
+
+    /// Whether there is such a hit.
+    #[inline(always)]
+    fn blocks(&self, lane: usize, ray: &TracedRay, t_max: f32, scratch: &mut Self::Scratch) -> bool {
+        self.hit(lane, ray, t_max, scratch).is_some()
+    }
 }
 
 /// A hit of one primitive.
 #[derive(Clone, Copy)]
-pub(crate) struct Found {
+pub(crate) struct Found<D> {
     pub(crate) t: f32,
-    pub(crate) barycentrics: [f32; 2],
+    pub(crate) detail: D,
 }
 
 /// Which primitive of which geometry.
@@ -76,13 +91,17 @@ pub(crate) struct Hierarchy<P> {
     /// Entries that a traversal's stack may need.
     waiting: usize,
     level: Level,
+    /// Boxes that a random line was expected to enter when the tree was built.
+    visits: f64,
 }
 
 /// Children that a traversal has yet to visit, and where the ray enters them; kept between rays to spare allocations.
 #[derive(Default)]
-pub(crate) struct Stack {
+pub(crate) struct Stack<S = ()> {
     children: Vec<Child>,
     nears: Vec<f32>,
+    /// What the primitives' tests need.
+    pub(crate) scratch: S,
 }
 
 impl Child {
@@ -126,13 +145,23 @@ impl<P: Packet> Hierarchy<P> {
         build::build(items, Level::of_this_machine())
     }
 
+    /// Lowest and highest corner; nothing when empty.
+    pub(crate) fn bounds(&self) -> Option<[Vec3; 2]> {
+        (!self.nodes.is_empty()).then_some(self.bounds)
+    }
+
     /// Whether anything lies on the segment: stops at the first thing found.
-    pub(crate) fn any(&self, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {
+    pub(crate) fn any(&self, ray: &TracedRay, t_max: f32, stack: &mut Stack<P::Scratch>) -> bool {
         !self.nodes.is_empty() && self.level.any(self, ray, t_max, stack)
     }
 
     /// The nearest thing on the segment; of those at the same distance, the first in the tree.
-    pub(crate) fn closest(&self, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> Option<(Found, Id)> {
+    pub(crate) fn closest(
+        &self,
+        ray: &TracedRay,
+        t_max: f32,
+        stack: &mut Stack<P::Scratch>,
+    ) -> Option<(Found<P::Detail>, Id)> {
         if self.nodes.is_empty() { None } else { self.level.closest(self, ray, t_max, stack) }
     }
 }

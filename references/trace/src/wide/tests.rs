@@ -74,7 +74,7 @@ fn every_kernel_gives_the_bits_of_the_scalar_one() {
                 let closest = tree.closest(ray, t_max, &mut stack);
                 let any = tree.any(ray, t_max, &mut stack);
                 assert_eq!(any, closest.is_some());
-                closest.map(|(found, id)| (found.t.to_bits(), found.barycentrics.map(f32::to_bits), id))
+                closest.map(|(found, id)| (found.t.to_bits(), found.detail.map(f32::to_bits), id))
             };
             rays.iter().enumerate().map(&mut answer).collect::<Vec<_>>()
         };

@@ -11,11 +11,11 @@ pub(super) fn any<P: Packet, K: Kernel>(
     tree: &Hierarchy<P>,
     ray: &TracedRay,
     t_max: f32,
-    stack: &mut Stack,
+    stack: &mut Stack<P::Scratch>,
 ) -> bool {
     let boxes = BoxRay::new(ray, &tree.bounds);
     stack.children.resize(tree.waiting, Child::default());
-    let waiting = &mut stack.children[..];
+    let (waiting, scratch) = (&mut stack.children[..], &mut stack.scratch);
     let (mut top, mut child) = (0, Child::node(0));
     loop {
         match child.open() {
@@ -34,7 +34,7 @@ pub(super) fn any<P: Packet, K: Kernel>(
             Opened::Packet { index, lanes } => {
                 let packet = &tree.packets[index];
                 let candidates = packet.candidates(kernel, ray) & lanes;
-                if ones(candidates).any(|lane| packet.hit(lane, ray, t_max).is_some()) {
+                if ones(candidates).any(|lane| packet.blocks(lane, ray, t_max, scratch)) {
                     return true;
                 }
             }
@@ -54,12 +54,12 @@ pub(super) fn closest<P: Packet, K: Kernel>(
     tree: &Hierarchy<P>,
     ray: &TracedRay,
     mut t_max: f32,
-    stack: &mut Stack,
-) -> Option<(Found, Id)> {
+    stack: &mut Stack<P::Scratch>,
+) -> Option<(Found<P::Detail>, Id)> {
     let boxes = BoxRay::new(ray, &tree.bounds);
     stack.clear();
     stack.push(ray.t_min, Child::node(0));
-    let mut nearest: Option<(Found, usize)> = None;
+    let mut nearest: Option<(Found<P::Detail>, usize)> = None;
     while let Some((near, child)) = stack.pop() {
         if near > t_max {
             continue;
@@ -77,7 +77,7 @@ pub(super) fn closest<P: Packet, K: Kernel>(
                     let slot = index * LANES + lane;
                     // Kernels round boxes apart and so meet leaves in another order: ties go to the first slot.
                     let limit = if nearest.is_some_and(|(_, other)| slot < other) { t_max.next_up() } else { t_max };
-                    if let Some(found) = packet.hit(lane, ray, limit) {
+                    if let Some(found) = packet.hit(lane, ray, limit, &mut stack.scratch) {
                         t_max = found.t;
                         nearest = Some((found, slot));
                     }
@@ -100,7 +100,7 @@ fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-impl Stack {
+impl<S> Stack<S> {
     fn clear(&mut self) {
         self.children.clear();
         self.nears.clear();

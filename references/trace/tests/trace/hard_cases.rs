@@ -69,9 +69,26 @@ fn hundreds_of_coincident_triangles_overflow_nothing() {
 }
 
 #[test]
+fn a_single_triangle_is_hit_from_both_sides_and_nowhere_else() {
+    let positions = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let world = World::build(&[Geometry::Triangles { positions: &positions, triangles: &[[0, 1, 2]] }]);
+    let mut random = Random(8);
+    for _ in 0..1000 {
+        let target = (random.point() * 2.0).with_z(0.0);
+        let origin = target + random.point() + Vec3::Z * 2.0 * (random.unit() - 0.5).signum();
+        let inside = target.x.min(target.y).min(1.0 - target.x - target.y);
+        if inside.abs() > 1e-4 {
+            assert_eq!(blocked(&world, &[ray(origin, (target - origin).normalize())]), [inside > 0.0], "{target}");
+        }
+    }
+}
+
+#[test]
 fn an_empty_world_blocks_nothing() {
     let rays = [ray(Vec3::ZERO, Vec3::Z)];
-    for world in [World::build(&[]), World::build(&[Geometry::Spheres(&[])])] {
+    let flat =
+        Geometry::Triangles { positions: &[Vec3::ZERO, Vec3::Z, Vec3::Z * 2.0], triangles: &[[0, 1, 2], [0, 1, 1]] };
+    for world in [World::build(&[]), World::build(&[Geometry::Spheres(&[])]), World::build(&[flat])] {
         assert_eq!(blocked(&world, &rays), [false]);
         let mut hits = [None];
         world.closest(&rays, &mut hits);

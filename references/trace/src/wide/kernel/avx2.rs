@@ -18,9 +18,21 @@ impl Avx2 {
         (wide && bits).then_some(Avx2(()))
     }
 
-    pub(super) fn any<P: Packet>(self, tree: &Hierarchy<P>, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {
+    pub(super) fn any<P: Packet>(
+        self,
+        tree: &Hierarchy<P>,
+        ray: &TracedRay,
+        t_max: f32,
+        stack: &mut Stack<P::Scratch>,
+    ) -> bool {
         #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
-        fn compiled<P: Packet>(kernel: Avx2, tree: &Hierarchy<P>, ray: &TracedRay, t: f32, stack: &mut Stack) -> bool {
+        fn compiled<P: Packet>(
+            kernel: Avx2,
+            tree: &Hierarchy<P>,
+            ray: &TracedRay,
+            t: f32,
+            stack: &mut Stack<P::Scratch>,
+        ) -> bool {
             traverse::any(kernel, tree, ray, t, stack)
         }
         // SAFETY: `self` proves the features.
@@ -32,16 +44,16 @@ impl Avx2 {
         tree: &Hierarchy<P>,
         ray: &TracedRay,
         t_max: f32,
-        stack: &mut Stack,
-    ) -> Option<(Found, Id)> {
+        stack: &mut Stack<P::Scratch>,
+    ) -> Option<(Found<P::Detail>, Id)> {
         #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
         fn compiled<P: Packet>(
             kernel: Avx2,
             tree: &Hierarchy<P>,
             ray: &TracedRay,
             t_max: f32,
-            stack: &mut Stack,
-        ) -> Option<(Found, Id)> {
+            stack: &mut Stack<P::Scratch>,
+        ) -> Option<(Found<P::Detail>, Id)> {
             traverse::closest(kernel, tree, ray, t_max, stack)
         }
         // SAFETY: `self` proves the features.

@@ -18,9 +18,21 @@ impl Avx512 {
         avx2::Avx2::detect().filter(|_| wide).map(|_| Avx512(()))
     }
 
-    pub(super) fn any<P: Packet>(self, tree: &Hierarchy<P>, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {
+    pub(super) fn any<P: Packet>(
+        self,
+        tree: &Hierarchy<P>,
+        ray: &TracedRay,
+        t_max: f32,
+        stack: &mut Stack<P::Scratch>,
+    ) -> bool {
         #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl")]
-        fn compiled<P: Packet>(k: Avx512, tree: &Hierarchy<P>, ray: &TracedRay, t: f32, stack: &mut Stack) -> bool {
+        fn compiled<P: Packet>(
+            k: Avx512,
+            tree: &Hierarchy<P>,
+            ray: &TracedRay,
+            t: f32,
+            stack: &mut Stack<P::Scratch>,
+        ) -> bool {
             traverse::any(k, tree, ray, t, stack)
         }
         // SAFETY: `self` proves the features.
@@ -32,16 +44,16 @@ impl Avx512 {
         tree: &Hierarchy<P>,
         ray: &TracedRay,
         t_max: f32,
-        stack: &mut Stack,
-    ) -> Option<(Found, Id)> {
+        stack: &mut Stack<P::Scratch>,
+    ) -> Option<(Found<P::Detail>, Id)> {
         #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl")]
         fn compiled<P: Packet>(
             kernel: Avx512,
             tree: &Hierarchy<P>,
             ray: &TracedRay,
             t_max: f32,
-            stack: &mut Stack,
-        ) -> Option<(Found, Id)> {
+            stack: &mut Stack<P::Scratch>,
+        ) -> Option<(Found<P::Detail>, Id)> {
             traverse::closest(kernel, tree, ray, t_max, stack)
         }
         // SAFETY: `self` proves the features.

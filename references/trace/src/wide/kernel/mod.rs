@@ -75,7 +75,13 @@ impl Level {
         [Some(Level::Scalar(scalar::Scalar))].into_iter().chain(wider).flatten().collect()
     }
 
-    pub(super) fn any<P: Packet>(self, tree: &Hierarchy<P>, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {
+    pub(super) fn any<P: Packet>(
+        self,
+        tree: &Hierarchy<P>,
+        ray: &TracedRay,
+        t_max: f32,
+        stack: &mut Stack<P::Scratch>,
+    ) -> bool {
         match self {
             Level::Scalar(kernel) => super::traverse::any(kernel, tree, ray, t_max, stack),
             #[cfg(target_arch = "x86_64")]
@@ -90,8 +96,8 @@ impl Level {
         tree: &Hierarchy<P>,
         ray: &TracedRay,
         t_max: f32,
-        stack: &mut Stack,
-    ) -> Option<(Found, Id)> {
+        stack: &mut Stack<P::Scratch>,
+    ) -> Option<(Found<P::Detail>, Id)> {
         match self {
             Level::Scalar(kernel) => super::traverse::closest(kernel, tree, ray, t_max, stack),
             #[cfg(target_arch = "x86_64")]

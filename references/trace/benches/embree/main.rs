@@ -1,0 +1,146 @@
+//! Occlusion rays a second on one thread, ours and Embree's in turn on the same triangles and rays. `run`, beside this
+//! file, builds the other side and starts it; without it there is nothing to compare with.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::Instant;
+
+use glam::Vec3;
+use halflight_scenes::{Mesh, Shape, find};
+use halflight_trace::{Geometry, Ray, World, clearance};
+
+#[path = "../random.rs"]
+mod random;
+use random::Random;
+
+const RAYS: usize = 1 << 17;
+/// Rays of one receiver.
+const BUNDLE: usize = 64;
+/// Rays of one call: as many as are never shared between threads.
+const BATCH: usize = 512;
+
+const MESHES: [(&str, &str); 4] = [
+    ("teapot-sunset", "teapot"),
+    ("dino-elephant-courtyard", "elephant"),
+    ("dino-elephant-courtyard", "dino"),
+    ("bunny-studio", "bunny"),
+];
+
+/// From points around the mesh towards points in its box.
+fn incoherent(random: &mut Random, mesh: &Mesh) -> Vec<Ray> {
+    let low = mesh.positions.iter().fold(Vec3::INFINITY, |low, p| low.min(*p));
+    let high = mesh.positions.iter().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
+    let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
+    let mut ray = |_| {
+        let origin = center + 1.2 * half.length() * random.direction();
+        let target = center + half * Vec3::new(random.signed(), random.signed(), random.signed());
+        Ray { origin, direction: (target - origin).normalize(), t_min: 0.0, t_max: f32::INFINITY }
+    };
+    (0..RAYS).map(&mut ray).collect()
+}
+
+/// From points on the surface, cosine-distributed about the normal.
+fn receivers(random: &mut Random, mesh: &Mesh) -> Vec<Ray> {
+    let reach = mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max);
+    let mut bundle = |_| {
+        let triangle = (random.unit() * mesh.triangles.len() as f32) as usize;
+        let normal = mesh.face_normal(triangle);
+        let origin = mesh.corners(triangle).iter().sum::<Vec3>() / 3.0 + clearance(reach) * normal;
+        let direction = |_| (normal + 0.999 * random.direction()).normalize();
+        let ray = |direction| Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
+        (0..BUNDLE).map(direction).map(ray).collect::<Vec<_>>()
+    };
+    (0..RAYS / BUNDLE).flat_map(&mut bundle).collect()
+}
+
+/// Embree in a process of its own.
+struct Embree(Child, BufReader<ChildStdout>);
+
+impl Embree {
+    fn new(driver: &str, folder: &Path, mesh: &Mesh, rays: &[Ray]) -> Self {
+        let floats = |vectors: &mut dyn Iterator<Item = Vec3>| -> Vec<u8> {
+            vectors.flat_map(|v| v.to_array()).flat_map(f32::to_le_bytes).collect()
+        };
+        let files = ["vertices", "triangles", "rays"].map(|name| folder.join(name));
+        let indices: Vec<u8> = mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
+        std::fs::write(&files[0], floats(&mut mesh.positions.iter().copied())).unwrap();
+        std::fs::write(&files[1], indices).unwrap();
+        std::fs::write(&files[2], floats(&mut rays.iter().flat_map(|ray| [ray.origin, ray.direction]))).unwrap();
+        let mut command = Command::new(driver);
+        let mut child = command.args(files).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let answers = BufReader::new(child.stdout.take().unwrap());
+        Embree(child, answers)
+    }
+
+    /// Seconds, and rays blocked.
+    fn trace(&mut self, robust: bool) -> (f64, usize) {
+        writeln!(self.0.stdin.as_mut().unwrap(), "{}", u8::from(robust)).unwrap();
+        let mut answer = String::new();
+        self.1.read_line(&mut answer).unwrap();
+        let (seconds, blocked) = answer.trim().split_once(' ').expect("an answer of Embree's");
+        (seconds.parse().unwrap(), blocked.parse().unwrap())
+    }
+}
+
+fn ours(world: &World, rays: &[Ray], bundled: bool) -> (f64, usize) {
+    let mut blocked = [false; BATCH];
+    let mut count = 0;
+    let start = Instant::now();
+    for batch in rays.chunks(if bundled { BUNDLE } else { BATCH }) {
+        let blocked = &mut blocked[..batch.len()];
+        if bundled {
+            let directions: [Vec3; BUNDLE] = std::array::from_fn(|i| batch[i].direction);
+            world.occluded_from(batch[0].origin, 0.0, &directions, blocked);
+        } else {
+            world.occluded(batch, blocked);
+        }
+        count += blocked.iter().filter(|blocked| **blocked).count();
+    }
+    (start.elapsed().as_secs_f64(), count)
+}
+
+/// The median and the quartiles.
+fn quartiles(mut values: Vec<f64>) -> [f64; 3] {
+    values.sort_by(f64::total_cmp);
+    [values.len() / 2, values.len() / 4, values.len() * 3 / 4].map(|i| values[i])
+}
+
+fn main() {
+    let Ok(driver) = std::env::var("EMBREE_DRIVER") else {
+        println!("started without Embree: use references/trace/benches/embree/run");
+        return;
+    };
+    let rounds = std::env::args().skip(1).find_map(|a| a.parse().ok()).unwrap_or(21);
+    let folder = tempfile::tempdir().unwrap();
+    println!(
+        "million rays a second: median, and [quartiles] of ratios of the same round; {rounds} rounds of {RAYS} rays"
+    );
+    println!("mesh      rays         ours  robust default  ours/robust         ours/default        blocked");
+    for (scene, name) in MESHES {
+        let scene = find(scene).unwrap();
+        let object = scene.objects.iter().find(|o| o.name == name).unwrap();
+        let Shape::Mesh(mesh) = &*object.shape else { panic!("{name} is a mesh") };
+        let world = World::build(&[Geometry::Triangles { positions: &mesh.positions, triangles: &mesh.triangles }]);
+        let mut random = Random(1);
+        let sets = [("incoherent", incoherent(&mut random, mesh)), ("receivers", receivers(&mut random, mesh))];
+        for (kind, rays) in sets {
+            let mut embree = Embree::new(&driver, folder.path(), mesh, &rays);
+            let bundled = kind == "receivers";
+            let mut round = || [ours(&world, &rays, bundled), embree.trace(true), embree.trace(false)];
+            let blocked = round().map(|(_, blocked)| blocked);
+            let seconds: Vec<[f64; 3]> = (0..rounds).map(|_| round().map(|(seconds, _)| seconds)).collect();
+            let rate = |i: usize| RAYS as f64 / 1e6 / quartiles(seconds.iter().map(|s| s[i]).collect())[0];
+            let ratio = |i: usize| quartiles(seconds.iter().map(|s| s[i] / s[0]).collect());
+            let [[robust, r1, r3], [default, d1, d3]] = [1, 2].map(ratio);
+            println!(
+                "{name:9} {kind:10} {:6.2}  {:6.2}  {:6.2}  {robust:.2} [{r1:.2} {r3:.2}]    {default:.2} [{d1:.2} {d3:.2}]    {blocked:?}",
+                rate(0),
+                rate(1),
+                rate(2),
+            );
+            embree.0.kill().unwrap();
+            embree.0.wait().unwrap();
+        }
+    }
+}
