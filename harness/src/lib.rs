@@ -39,6 +39,7 @@ mod plan;
 mod probe;
 mod progress;
 mod recorder;
+pub mod refs;
 mod run;
 mod score;
 mod select;

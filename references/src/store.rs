@@ -162,12 +162,15 @@ fn state(path: &Path) -> Option<State> {
     match path.extension()?.to_str()? {
         WHOLE => Some(read(path, key).map_or(State::Damaged, |(_, provenance)| State::Whole(provenance))),
         BEGUN => {
+            // A lock that was free is let go at once.
+            let in_use = matches!(Partial::lock(path.to_owned()), Ok(None));
             let begun = fs::read(path).ok().and_then(|bytes| Begun::read(&bytes)).filter(|b| b.provenance.key == key);
-            Some(begun.map_or(State::Damaged, |Begun { provenance, done }| {
-                // A lock that was free is let go at once.
-                let in_use = matches!(Partial::lock(path.to_owned()), Ok(None));
-                State::Begun { provenance, done, in_use }
-            }))
+            Some(match begun {
+                Some(Begun { provenance, done }) => State::Begun { provenance, done, in_use },
+                // Its first words are being written.
+                None if in_use => State::Unplaced,
+                None => State::Damaged,
+            })
         }
         extension => extension.starts_with(UNPLACED).then_some(State::Unplaced),
     }

@@ -5,4 +5,5 @@ mod bench;
 mod commands;
 mod export;
 mod failing;
+mod refs;
 mod run;
