@@ -1,7 +1,7 @@
 //! Objects that emit: where their light comes from, how much of it there is, and where to look for it.
 
 use glam::{DVec3, Vec3};
-use halflight_scenes::{Rgb, Shape, Sphere};
+use halflight_scenes::{Mesh, Rgb, Shape, Sphere};
 
 use crate::analytic;
 use crate::sampling::{SphereSampler, TriangleSampler, luminance};
@@ -62,10 +62,11 @@ impl Emitters {
         let mut all = Vec::new();
         for (object, shape, radiance, solid) in traced.emitting() {
             let mut add = |primitive, form| all.push(Emitter { form, radiance, object, primitive, solid });
+            let mut triangles =
+                |mesh: &Mesh| (0..mesh.triangles.len()).for_each(|i| add(i as u32, Form::Triangle(mesh.corners(i))));
             match shape {
-                Shape::Mesh(mesh) => {
-                    (0..mesh.triangles.len()).for_each(|i| add(i as u32, Form::Triangle(mesh.corners(i))));
-                }
+                Shape::Mesh(mesh) => triangles(mesh),
+                Shape::Heights(field) => triangles(field.mesh()),
                 Shape::Spheres(spheres) => (0..).zip(spheres).for_each(|(i, sphere)| add(i, Form::Sphere(*sphere))),
             }
         }

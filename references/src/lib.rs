@@ -20,6 +20,7 @@ mod emission;
 mod emitters;
 mod error;
 mod estimate;
+pub mod horizon;
 mod kind;
 mod partial;
 mod pixels;

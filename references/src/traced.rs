@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use halflight_scenes::{Frame, Pose, PosedObject, Rgb, Scene, Shape, Which};
+use halflight_scenes::{Frame, Mesh, Pose, PosedObject, Rgb, Scene, Shape, Which};
 use halflight_trace::{Hit, Ray, World, clearance, clearance_of_point};
 
 use crate::Reference;
@@ -41,6 +41,10 @@ pub(crate) struct Surface {
     pub(crate) emission: Rgb,
 }
 
+/// Rays leave a height field straight up, where there is nothing more of it: the way along a normal may lead into the far side of
+/// a steep pit. They start as far from the surface as along its normal, if that rises by at least this (slopes up to 86°).
+const STEEPEST: f32 = 1.0 / 16.0;
+
 impl Traced {
     pub(crate) fn new(scene: &Scene, frame: &Frame, reference: &Reference) -> Self {
         let body = |posed: &PosedObject| {
@@ -63,23 +67,20 @@ impl Traced {
     /// Where rays start that leave a point of an object, if it is known to lie on one, on the side of the normal.
     pub(crate) fn lift(&self, object: Option<u32>, position: Vec3, normal: Vec3) -> Vec3 {
         let offset = match object.map(|object| &self.objects[object as usize]) {
-            Some(body) if body.casts => clearance(body.reach),
+            Some(body) if body.casts => clearance(body.reach) * off(&body.shape, normal),
             // What no ray can hit is in no ray's way.
-            Some(_) => 0.0,
-            None => clearance_of_point(position),
+            Some(_) => Vec3::ZERO,
+            None => clearance_of_point(position) * normal,
         };
-        position + offset * normal
+        position + offset
     }
 
     /// What a ray has hit.
     pub(crate) fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let body = &self.objects[hit.geometry as usize];
         let (position, outwards) = match &*body.shape {
-            Shape::Mesh(mesh) => {
-                let [a, b, c] = mesh.corners(hit.primitive as usize);
-                let [u, v] = hit.barycentrics;
-                (a + u * (b - a) + v * (c - a), mesh.face_normal(hit.primitive as usize))
-            }
+            Shape::Mesh(mesh) => on_mesh(mesh, hit),
+            Shape::Heights(field) => on_mesh(field.mesh(), hit),
             Shape::Spheres(spheres) => {
                 let sphere = spheres[hit.primitive as usize];
                 let outwards = (ray.origin + hit.t * ray.direction - sphere.center).normalize();
@@ -106,10 +107,27 @@ impl Traced {
     }
 }
 
+/// The way off a shape on the side of a normal, of which a unit leads a unit away from the tangent plane.
+fn off(shape: &Shape, normal: Vec3) -> Vec3 {
+    match shape {
+        Shape::Heights(_) => Vec3::Z / normal.z.abs().max(STEEPEST).copysign(normal.z),
+        _ => normal,
+    }
+}
+
+/// Position and unit normal outwards.
+fn on_mesh(mesh: &Mesh, hit: &Hit) -> (Vec3, Vec3) {
+    let [a, b, c] = mesh.corners(hit.primitive as usize);
+    let [u, v] = hit.barycentrics;
+    (a + u * (b - a) + v * (c - a), mesh.face_normal(hit.primitive as usize))
+}
+
 /// The farthest from the origin that a shape gets.
 fn reach(shape: &Shape) -> f32 {
+    let farthest = |positions: &[Vec3]| positions.iter().map(|p| p.length()).fold(0.0, f32::max);
     match shape {
-        Shape::Mesh(mesh) => mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max),
+        Shape::Mesh(mesh) => farthest(&mesh.positions),
+        Shape::Heights(field) => farthest(&field.mesh().positions),
         Shape::Spheres(spheres) => spheres.iter().map(|s| s.center.length() + s.radius).fold(0.0, f32::max),
     }
 }

@@ -126,7 +126,7 @@ fn one_bounce_agrees_with_quadrature_over_the_reflecting_square() {
         square([(-0.4, -0.4), (-0.4, 0.4), (0.4, 0.4), (0.4, -0.4)].map(|(x, y)| Vec3::new(x, y, 1.5)), 0.0, 2.0);
     let lamp_corners: Vec<DVec3> = match &*lamp.shape {
         Shape::Mesh(mesh) => mesh.positions.iter().map(|p| p.as_dvec3()).collect(),
-        Shape::Spheres(_) => unreachable!("a mesh"),
+        _ => unreachable!("a mesh"),
     };
     let points: Vec<_> = (0..12)
         .map(|i| (Vec3::new(1.3, i as f32 * 0.15 - 0.9, 0.2 + 0.1 * i as f32), Vec3::new(-1.0, 0.0, 0.2).normalize()))

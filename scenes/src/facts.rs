@@ -9,8 +9,10 @@ pub struct SceneFacts {
     pub casters: usize,
     /// Objects that emit light.
     pub emitters: usize,
-    /// Triangles of all meshes.
+    /// Triangles of all meshes and height fields.
     pub triangles: usize,
+    /// Height fields that cast shadows.
+    pub height_fields: usize,
     /// Exact spheres of all objects.
     pub spheres: usize,
     /// Environment maps.

@@ -1,5 +1,6 @@
 //! From a scene file to a scene.
 
+mod heights;
 mod lights;
 mod objects;
 mod receivers;

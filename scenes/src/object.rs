@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 use halflight_trace::Geometry;
 
 use crate::content::Collector;
-use crate::{Content, Mesh, Revision, Rgb, Sphere};
+use crate::{Content, HeightField, Mesh, Revision, Rgb, Sphere};
 
 /// What an object is made of, in rest position (the scene file's transform applied).
 #[derive(Clone, Debug)]
@@ -16,6 +16,8 @@ pub enum Shape {
     Mesh(Mesh),
     /// Exact spheres.
     Spheres(Vec<Sphere>),
+    /// A grid of heights. It stands upright: poses move it but do not turn it, and a scene file that asks for that is refused.
+    Heights(HeightField),
 }
 
 impl Shape {
@@ -30,15 +32,18 @@ impl Shape {
                 let moved = |sphere: &Sphere| Sphere { center: pose.point(sphere.center), radius: sphere.radius };
                 Shape::Spheres(spheres.iter().map(moved).collect())
             }
+            Shape::Heights(field) => Shape::Heights(field.translated(pose.translation)),
         })
     }
 
     /// The shape as the tracer takes it.
     pub fn geometry(&self) -> Geometry<'_> {
-        match self {
-            Shape::Mesh(mesh) => Geometry::Triangles { positions: &mesh.positions, triangles: &mesh.triangles },
-            Shape::Spheres(spheres) => Geometry::Spheres(spheres),
-        }
+        let mesh = match self {
+            Shape::Spheres(spheres) => return Geometry::Spheres(spheres),
+            Shape::Mesh(mesh) => mesh,
+            Shape::Heights(field) => field.mesh(),
+        };
+        Geometry::Triangles { positions: &mesh.positions, triangles: &mesh.triangles }
     }
 
     /// Hash of the shape.
@@ -48,6 +53,7 @@ impl Shape {
             Shape::Spheres(spheres) => {
                 Collector::new("spheres").list(spheres, |all, sphere| all.vec3(sphere.center).float(sphere.radius))
             }
+            Shape::Heights(field) => field.collect(Collector::new("heights")),
         };
         content.finish()
     }

@@ -65,6 +65,10 @@ impl Scene {
             match &*object.shape {
                 Shape::Mesh(mesh) => facts.triangles += mesh.triangles.len(),
                 Shape::Spheres(spheres) => facts.spheres += spheres.len(),
+                Shape::Heights(field) => {
+                    facts.triangles += field.triangles();
+                    facts.height_fields += usize::from(object.casts);
+                }
             }
         }
         for light in &self.lights {
@@ -152,7 +156,11 @@ impl Scene {
                 Shape::Mesh(mesh) => {
                     placement::vertices(*object, &mesh.posed(objects[*object].pose), self.objects[*object].albedo)
                 }
-                Shape::Spheres(_) => unreachable!("vertex receivers lie on a mesh"),
+                _ => unreachable!("vertex receivers lie on a mesh"),
+            },
+            Placement::Heights { object } => match &*self.objects[*object].shape.posed(objects[*object].pose) {
+                Shape::Heights(field) => placement::heights(*object, field, self.objects[*object].albedo),
+                _ => unreachable!("receivers of a height field lie on one"),
             },
             Placement::Grid(grid) => match grid.object {
                 Some(object) => grid.receivers(self.objects[object].albedo, objects[object].pose),
@@ -167,7 +175,11 @@ impl Scene {
             Placement::Camera => self.camera.map_or(0, |camera| camera.width * camera.height),
             Placement::Vertices { object } => match &*self.objects[*object].shape {
                 Shape::Mesh(mesh) => mesh.positions.len(),
-                Shape::Spheres(_) => 0,
+                _ => 0,
+            },
+            Placement::Heights { object } => match &*self.objects[*object].shape {
+                Shape::Heights(field) => field.heights().len(),
+                _ => 0,
             },
             Placement::Grid(grid) => grid.resolution[0] * grid.resolution[1],
             Placement::Points(points) => points.len(),

@@ -3,8 +3,7 @@
 use super::radiance_map::RadianceMap;
 use super::{ply, write};
 use crate::Error;
-use halflight_scenes::{Frame, KeyLight, Light, Scene, Shape, Sky};
-use std::fmt::Write;
+use halflight_scenes::{Frame, KeyLight, Light, Mesh, Scene, Shape, Sky};
 use std::path::Path;
 
 /// Distance of what is infinitely far, in metres: to receivers some metres apart it seems to shift by 1e-5 rad, and directions
@@ -39,15 +38,18 @@ fn shapes(scene: &Scene, frame: &Frame, out: &Path) -> Result<String, Error> {
         let object = &scene.objects[posed.object];
         match &*object.shape.posed(posed.pose) {
             _ if !object.casts => {}
-            Shape::Mesh(mesh) => {
-                let name = format!("mesh-{}.ply", posed.object);
-                write(&out.join(&name), &ply::bytes(mesh))?;
-                let _ = writeln!(text, r#"    <shape type="ply"><string name="filename" value="{name}"/></shape>"#);
-            }
+            Shape::Mesh(mesh) => text += &triangles(mesh, posed.object, out)?,
+            Shape::Heights(field) => text += &triangles(field.mesh(), posed.object, out)?,
             Shape::Spheres(spheres) => text.extend(spheres.iter().map(|s| sphere(s.center.to_array(), s.radius))),
         }
     }
     Ok(text)
+}
+
+fn triangles(mesh: &Mesh, object: usize, out: &Path) -> Result<String, Error> {
+    let name = format!("mesh-{object}.ply");
+    write(&out.join(&name), &ply::bytes(mesh))?;
+    Ok(format!("    <shape type=\"ply\"><string name=\"filename\" value=\"{name}\"/></shape>\n"))
 }
 
 fn sphere([x, y, z]: [f32; 3], radius: f32) -> String {

@@ -68,9 +68,13 @@ pub struct DirectLight<'s, A> {
     quantity: Quantity,
 }
 
-/// What sphere-blocker methods answer: direct distant light and visibility up to their own order.
+/// What sphere-blocker methods answer: direct distant light and visibility up to their own order, where spheres can stand for all
+/// that casts shadows. A height field is an open surface: spheres around it would bury the receivers on it.
 pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
     match request.quantity {
+        _ if facts.height_fields > 0 => {
+            Support::Skip("spheres cannot stand for a height field that casts shadows".into())
+        }
         Quantity::Direct if facts.emitters == 0 => Support::Exact,
         Quantity::Direct if facts.distant_lights() == 0 => {
             Support::Skip("all light comes from objects of the scene, none from afar".into())
@@ -282,5 +286,21 @@ impl std::ops::Add for Work {
             squares: self.squares + other.squares,
             guarded: self.guarded + other.guarded,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use halflight_contract::Backend;
+
+    use super::*;
+
+    #[test]
+    fn height_fields_that_cast_are_left_to_others() {
+        let params = Params::default();
+        let request = Request { quantity: Quantity::Direct, backend: Backend::Cpu, params: &params };
+        let answer = |height_fields| supports(&SceneFacts { height_fields, ..SceneFacts::default() }, &request);
+        assert!(matches!(answer(1), Support::Skip(why) if why.contains("height field")));
+        assert!(matches!(answer(0), Support::Exact));
     }
 }

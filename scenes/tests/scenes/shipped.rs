@@ -9,7 +9,15 @@ fn load(name: &str) -> Scene {
 #[test]
 fn all_load_with_purpose_and_valid_receivers() {
     let names: Vec<String> = shipped().into_iter().map(|(name, ..)| name).collect();
-    let expected = ["bunny-studio", "dino-elephant-courtyard", "sphere-plane", "spheres-60", "teapot-sunset"];
+    let expected = [
+        "bunny-studio",
+        "dino-elephant-courtyard",
+        "jacksboro-sunrise",
+        "sphere-plane",
+        "spheres-60",
+        "teapot-sunset",
+        "trench",
+    ];
     assert_eq!(names, expected);
     for (name, path, purpose) in shipped() {
         let scene = load(&name);
