@@ -29,6 +29,7 @@
 //! # }
 //! ```
 
+mod budget;
 pub mod cli;
 mod environment;
 mod error;
@@ -46,6 +47,10 @@ mod select;
 mod settings;
 mod suite;
 
+pub use budget::{
+    budget,
+    chain::{Step, Walk, What, walk},
+};
 pub use environment::{cpu_features, environment};
 pub use error::Error;
 pub use export::{Check, export_to_mitsuba};

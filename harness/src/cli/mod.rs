@@ -1,5 +1,6 @@
 //! The command line. Exit codes: 0 all is well, 1 cells failed, pictures differ or references are not as they should be, 2 the request cannot be carried out.
 
+mod budget;
 mod diff;
 mod doctor;
 mod export;
@@ -39,6 +40,8 @@ enum Command {
     Report(report::Report),
     /// Print radiance, or a reference's, at given points
     Probe(probe::Probe),
+    /// Walk from the truth to a method, one approximation a step, and say what each adds to the error
+    Budget(budget::Budget),
     /// Make, check, list or clear away references
     Refs(refs::Refs),
     /// Compare two EXR pictures, or the pictures of two results directories
@@ -175,6 +178,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Plan(plan)) => plan.act(),
         Some(Command::Report(report)) => report.act(),
         Some(Command::Probe(probe)) => probe.act(),
+        Some(Command::Budget(budget)) => budget.act(),
         Some(Command::Refs(refs)) => refs.act(),
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
