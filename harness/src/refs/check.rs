@@ -62,7 +62,7 @@ pub fn require(needs: &[Need<'_>], store: &ReferenceStore) -> Result<(), Error> 
 pub struct Retake {
     /// The test between the two; the kept one comes first.
     pub comparison: Comparison,
-    /// Whether single receivers are judged too, rather than their mean alone: below [`TELLING`] samples in few batches a
+    /// Whether single receivers are judged too, rather than their mean alone: below 4096 samples, or in fewer than 64 batches, a
     /// receiver's errors have longer tails than the test knows.
     pub telling: bool,
 }

@@ -68,7 +68,7 @@ fn named_references_are_made_of_any_quantity() {
 fn a_killed_build_goes_on_to_the_same_bytes() {
     let bench = Bench::new();
     bench.write("many.toml", &SCENE.replace("resolution = [4, 3]", "resolution = [60, 50]"));
-    let build = "refs build --scene many.toml --reference truth --samples 8192 --threads 1";
+    let build = "refs build --scene many.toml --reference truth --samples 2048 --threads 1";
     bench.well(&format!("{build} --cache whole"));
 
     let mut child = bench.command(&format!("{build} --cache killed")).stderr(Stdio::null()).spawn().unwrap();
@@ -86,7 +86,7 @@ fn a_killed_build_goes_on_to_the_same_bytes() {
     child.kill().unwrap();
     child.wait().unwrap();
 
-    let check = "--scene many.toml --reference truth --samples 8192 --cache killed";
+    let check = "--scene many.toml --reference truth --samples 2048 --cache killed";
     let (code, rows) = checked(&bench, check);
     let done = rows[0]["done"].as_u64().unwrap();
     assert_eq!((code, states(&rows)), (1, vec!["begun"]));
@@ -94,6 +94,11 @@ fn a_killed_build_goes_on_to_the_same_bytes() {
     let listed = bench.well("refs list --cache killed");
     assert!(listed.contains(&format!("begun: {done} of 3000 receivers")), "{listed}");
     assert!(bench.well("refs prune --cache killed").starts_with("0 files"), "what goes on was cleared away");
+    let held = std::fs::File::open(&left).unwrap();
+    held.lock().unwrap();
+    assert!(bench.well("refs prune --all --cache killed").starts_with("0 files"), "what is in use was cleared away");
+    drop(held);
+    assert!(bench.well("refs prune --all --cache killed --dry-run").contains("begun: not needed"));
 
     bench.well(&format!("{build} --cache killed"));
     assert!(!left.exists());

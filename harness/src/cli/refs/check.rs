@@ -55,6 +55,9 @@ impl Check {
         }
         if self.json {
             say(&serde_json::to_string_pretty(&rows)?);
+        } else {
+            let present = rows.iter().filter(|row| row.state == "present").count();
+            say(&format!("{present} of {} references are there", rows.len()));
         }
         let wrong = rows.iter().filter(|row| row.agrees == Some(false)).count();
         if wrong > 0 {
