@@ -29,6 +29,7 @@
 //! # }
 //! ```
 
+mod budget;
 pub mod cli;
 mod environment;
 mod error;
@@ -39,12 +40,17 @@ mod plan;
 mod probe;
 mod progress;
 mod recorder;
+pub mod refs;
 mod run;
 mod score;
 mod select;
 mod settings;
 mod suite;
 
+pub use budget::{
+    budget,
+    chain::{Step, Walk, What, walk},
+};
 pub use environment::{cpu_features, environment};
 pub use error::Error;
 pub use export::{Check, export_to_mitsuba};

@@ -12,6 +12,7 @@
 //! # }
 //! ```
 
+mod budget;
 mod chip;
 mod collect;
 mod figures;
@@ -24,5 +25,6 @@ mod report;
 mod summary;
 mod tables;
 
+pub use budget::{Budget, BudgetStep};
 pub use collect::build;
 pub use report::{Absent, Reference, Report, ReportError, Row, Scene};

@@ -1,6 +1,6 @@
 //! `halflight run`.
 
-use super::{CacheDir, Ending, Out, Pick, say};
+use super::{CacheDir, Ending, HowGood, Out, Pick, say};
 use crate::plan::{Plan, Terms};
 use crate::run::{Options, Summary};
 use clap::{Args, FromArgMatches};
@@ -14,6 +14,8 @@ pub(super) struct Run {
     out: Out,
     #[command(flatten)]
     cache: CacheDir,
+    #[command(flatten)]
+    how_good: HowGood,
     /// Timed evaluations of each cell that is run, after one to warm up
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     repeats: u16,
@@ -27,11 +29,12 @@ impl Run {
     }
 
     pub(super) fn act(&self) -> anyhow::Result<Ending> {
+        let quality = self.how_good.quality()?;
         let terms = Terms { seed: self.pick.seed, timed_on: crate::environment::environment().class() };
         let plan = Plan::new(&self.pick.selection().entries()?, &terms)?;
         let mut store = Store::open(&self.out.out)?;
         store.warnings().iter().for_each(|warning| eprintln!("halflight: {warning}"));
-        let options = Options { repeats: self.repeats.into(), ..Options::new(self.cache.path()?) };
+        let options = Options { repeats: self.repeats.into(), quality, ..Options::new(self.cache.path()?) };
         let summary = crate::run(&plan, &mut store, &options)?;
 
         let report = self.out.out.join("report.html");

@@ -2,7 +2,9 @@
 
 mod bad_input;
 mod bench;
+mod budget;
 mod commands;
 mod export;
 mod failing;
+mod refs;
 mod run;

@@ -14,9 +14,12 @@
 //! | SSIM | Wang et al. 2004, on display luminance (see [`Exposure`]); images only |
 //! | FLIP | Andersson et al. 2020, on display colours (see [`Exposure`]); images only |
 //!
+//! [`difference`] takes two pictures that may both be noisy, and tells how far apart they are without the noise.
+//!
 //! SSIM and FLIP judge displayed pictures: both pictures are exposed alike, by the *reference's* exposure.
 
 mod agree;
+mod difference;
 mod display;
 mod perceptual;
 mod picture;
@@ -24,6 +27,7 @@ mod scores;
 mod statistics;
 
 pub use agree::{Disagreement, Tolerance, agrees};
+pub use difference::{Difference, difference};
 pub use display::Exposure;
 pub use picture::{CompareError, Layout, Picture};
 pub use scores::{Scores, VERSION, compare};
