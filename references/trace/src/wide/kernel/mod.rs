@@ -8,7 +8,7 @@ mod scalar;
 
 use glam::{Vec3, Vec3A};
 
-use super::{BUNDLE, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
+use super::{BUNDLE, Bundle, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
 use crate::traced_ray::{ROUNDING, TracedRay};
 
 /// A set of instructions. A value of it is proof that the machine has them.
@@ -26,6 +26,9 @@ pub(crate) trait Kernel: Copy {
     /// Writes the children in `mask` to the front of `room`, in their order; what follows them there is void.
     fn push(self, children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]);
 
+    /// Asks the memory for a value that is to be read soon.
+    fn fetch<T>(self, value: &T);
+
     /// For each lane, the mask of the rays whose masks of lanes hold it.
     fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES];
 }
@@ -33,6 +36,7 @@ pub(crate) trait Kernel: Copy {
 /// A ray as the boxes of one tree see it: it meets a plane at `plane·inverse − offset`. The offsets give way by what
 /// rounding may add up to. One cache line.
 #[repr(align(64))]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct BoxRay {
     inverse: [f32; 3],
     /// Of the planes that are met first, and of those met last.
@@ -108,17 +112,15 @@ impl Level {
     pub(super) fn any_of<P: Packet>(
         self,
         tree: &Hierarchy<P>,
-        rays: &[TracedRay],
-        ends: &[f32],
-        open: u64,
+        bundle: Bundle<'_>,
         stack: &mut Stack<P::Scratch>,
     ) -> u64 {
         match self {
-            Level::Scalar(kernel) => super::stream::any_of(kernel, tree, rays, ends, open, stack),
+            Level::Scalar(kernel) => super::stream::any_of(kernel, tree, bundle, stack),
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2(kernel) => kernel.any_of(tree, rays, ends, open, stack),
+            Level::Avx2(kernel) => kernel.any_of(tree, bundle, stack),
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512(kernel) => kernel.any_of(tree, rays, ends, open, stack),
+            Level::Avx512(kernel) => kernel.any_of(tree, bundle, stack),
         }
     }
 
