@@ -13,8 +13,15 @@ use std::path::Path;
 pub enum Source {
     /// A method with its parameters.
     Method(&'static dyn Method, Params),
-    /// A reference with so many samples at every point.
-    Reference(Reference, u32),
+    /// A reference.
+    Reference {
+        /// Which.
+        reference: Reference,
+        /// Samples at every point.
+        samples: u32,
+        /// SH order in which visibility is asked for too; a method gives its own order's.
+        visibility: Option<u8>,
+    },
 }
 
 /// What is asked.
@@ -36,8 +43,10 @@ pub struct Answers {
     pub radiance: Vec<Rgb>,
     /// Its standard error, from a reference.
     pub standard_error: Option<Vec<Rgb>>,
-    /// Visibility coefficients, `order²` a point, from a method that has them.
+    /// Visibility coefficients, `order²` a point, from a method that has them or a reference that is asked for them.
     pub visibility: Option<Vec<Vec<f32>>>,
+    /// Their standard errors, from a reference.
+    pub visibility_error: Option<Vec<Vec<f32>>>,
 }
 
 impl Source {
@@ -50,13 +59,13 @@ impl Source {
         Ok(Source::Method(method, plan::single(method, set)?))
     }
 
-    /// A reference by id, with so many samples at every point.
+    /// A reference by id, with so many samples at every point, and visibility in an SH order.
     ///
     /// # Errors
     /// There is no such reference, or its quality cannot be met by that number.
-    pub fn reference(id: &str, samples: u32) -> Result<Self, Error> {
+    pub fn reference(id: &str, samples: u32, visibility: Option<u8>) -> Result<Self, Error> {
         Quality::fixed(samples).check()?;
-        Ok(Source::Reference(judge::parse(id)?, samples))
+        Ok(Source::Reference { reference: judge::parse(id)?, samples, visibility })
     }
 }
 
@@ -68,7 +77,9 @@ pub fn probe(question: &Question<'_>, source: &Source, cache: &Path) -> Result<A
     check_frame(question.scene, question.frame)?;
     match source {
         Source::Method(method, params) => of_method(question, *method, params, cache),
-        Source::Reference(reference, samples) => of_reference(question, reference, &Quality::fixed(*samples), cache),
+        Source::Reference { reference, samples, visibility } => {
+            of_reference(question, reference, &Quality::fixed(*samples), *visibility, cache)
+        }
     }
 }
 
@@ -106,7 +117,8 @@ fn of_method(
         let all = runner.visibility(&frame, order, &mut steps).map_err(failed)?;
         Ok(all.chunks(usize::from(order).pow(2)).map(<[f32]>::to_vec).collect())
     });
-    Ok(Answers { radiance: shaded.radiance, standard_error: None, visibility: visibility.transpose()? })
+    let visibility = visibility.transpose()?;
+    Ok(Answers { radiance: shaded.radiance, standard_error: None, visibility, visibility_error: None })
 }
 
 /// The SH order that a method works at, where it declares one.
@@ -119,6 +131,7 @@ fn of_reference(
     question: &Question<'_>,
     reference: &Reference,
     quality: &Quality,
+    visibility: Option<u8>,
     cache: &Path,
 ) -> Result<Answers, Error> {
     let Question { scene, quantity, seed, .. } = *question;
@@ -132,5 +145,17 @@ fn of_reference(
     let request = halflight_references::Request { reference, quantity, scene, frame, quality, seed };
     let (estimate, _, _) = obtain(&store, &request, &derived, &mut meter)?;
     let standard_error = Some(estimate.standard_error());
-    Ok(Answers { radiance: estimate.mean, standard_error, visibility: None })
+    let visibility = visibility.map(|order| {
+        let request = halflight_references::Request { quantity: Quantity::Visibility { order }, ..request };
+        halflight_references::visibility(&request, &derived, &mut meter)
+    });
+    let (visibility, visibility_error) = match visibility.transpose()? {
+        Some(found) => {
+            let rows = |all: &[f32]| all.chunks_exact(found.order * found.order).map(<[f32]>::to_vec).collect();
+            let errors: Vec<f32> = found.variance.iter().map(|variance| variance.sqrt()).collect();
+            (Some(rows(&found.mean)), Some(rows(&errors)))
+        }
+        None => (None, None),
+    };
+    Ok(Answers { radiance: estimate.mean, standard_error, visibility, visibility_error })
 }

@@ -64,6 +64,13 @@ impl Body {
         self.triangles.any(ray, t_max, stack) || self.spheres.any(ray, t_max, stack)
     }
 
+    /// Of the rays in the mask `open`, those that anything lies on before their ends.
+    #[inline]
+    pub(crate) fn any_of(&self, rays: &[TracedRay], ends: &[f32], open: u64, stack: &mut Stack) -> u64 {
+        let blocked = self.triangles.any_of(rays, ends, open, stack);
+        blocked | self.spheres.any_of(rays, ends, open & !blocked, stack)
+    }
+
     #[inline]
     pub(crate) fn closest(&self, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> Option<Hit> {
         let hit = |t, id: Id, barycentrics| Hit { t, geometry: id.geometry, primitive: id.primitive, barycentrics };

@@ -4,6 +4,7 @@ mod build;
 mod collapse;
 mod kernel;
 mod refit;
+mod stream;
 #[cfg(test)]
 mod tests;
 mod traverse;
@@ -16,6 +17,9 @@ use kernel::Level;
 
 /// Children of a node and primitives of a packet.
 pub(crate) const LANES: usize = 8;
+
+/// Rays that are traced together.
+pub(crate) const BUNDLE: usize = 64;
 
 /// The mask in which every lane counts.
 pub(crate) const ALL_LANES: u32 = (1 << LANES) - 1;
@@ -65,11 +69,11 @@ pub(crate) struct Id {
     pub(crate) primitive: u32,
 }
 
-/// Boxes by corner, axis and lane, and what lies in them. Four cache lines.
+/// Boxes by axis, side (low, high) and lane, and what lies in them. Four cache lines.
 #[repr(C, align(64))]
 #[derive(Clone)]
 pub(crate) struct Node {
-    corners: [[[f32; LANES]; 3]; 2],
+    planes: [[[f32; LANES]; 2]; 3],
     children: [Child; LANES],
     /// Mask of the lanes that hold a child.
     occupied: u32,
@@ -100,6 +104,8 @@ pub(crate) struct Hierarchy<P> {
 pub(crate) struct Stack<S = ()> {
     children: Vec<Child>,
     nears: Vec<f32>,
+    groups: Vec<stream::Group>,
+    boxes: Vec<kernel::BoxRay>,
     /// What the primitives' tests need.
     pub(crate) scratch: S,
 }
@@ -153,6 +159,11 @@ impl<P: Packet> Hierarchy<P> {
     /// Whether anything lies on the segment: stops at the first thing found.
     pub(crate) fn any(&self, ray: &TracedRay, t_max: f32, stack: &mut Stack<P::Scratch>) -> bool {
         !self.nodes.is_empty() && self.level.any(self, ray, t_max, stack)
+    }
+
+    /// Of the rays in the mask `open`, at most [`BUNDLE`], those that anything lies on before their ends.
+    pub(crate) fn any_of(&self, rays: &[TracedRay], ends: &[f32], open: u64, stack: &mut Stack<P::Scratch>) -> u64 {
+        if self.nodes.is_empty() || open == 0 { 0 } else { self.level.any_of(self, rays, ends, open, stack) }
     }
 
     /// The nearest thing on the segment; of those at the same distance, the first in the tree.

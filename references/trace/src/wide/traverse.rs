@@ -15,13 +15,28 @@ pub(super) fn any<P: Packet, K: Kernel>(
 ) -> bool {
     let boxes = BoxRay::new(ray, &tree.bounds);
     stack.children.resize(tree.waiting, Child::default());
-    let (waiting, scratch) = (&mut stack.children[..], &mut stack.scratch);
-    let (mut top, mut child) = (0, Child::node(0));
+    walk(kernel, tree, ray, &boxes, t_max, Child::node(0), &mut stack.children, &mut stack.scratch)
+}
+
+/// Whether anything is hit from a child on downward.
+#[inline(always)]
+#[expect(clippy::too_many_arguments)]
+pub(super) fn walk<P: Packet, K: Kernel>(
+    kernel: K,
+    tree: &Hierarchy<P>,
+    ray: &TracedRay,
+    boxes: &BoxRay,
+    t_max: f32,
+    mut child: Child,
+    waiting: &mut [Child],
+    scratch: &mut P::Scratch,
+) -> bool {
+    let mut top = 0;
     loop {
         match child.open() {
             Opened::Node(index) => {
                 let node = &tree.nodes[index];
-                let entered = kernel.enter(node, &boxes, t_max).0 & node.occupied;
+                let entered = kernel.enter(node, boxes, t_max).0 & node.occupied;
                 if entered != 0 {
                     // The last one is taken at once, without the detour through memory.
                     let room = waiting[top..].first_chunk_mut().expect("room for one more node, by the tree's depth");
@@ -90,7 +105,7 @@ pub(super) fn closest<P: Packet, K: Kernel>(
 
 /// The lanes of a mask, ascending.
 #[inline(always)]
-fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(super) fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = mask.trailing_zeros();
         (mask != 0).then(|| {
