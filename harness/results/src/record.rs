@@ -4,7 +4,8 @@ use crate::Key;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The version of the line format; written as `schema` on every line. A line of a newer schema is refused.
+/// The version of the line format; written as `schema` on every line. Lines of another are refused by name:
+/// this is the first, so there is none to migrate from.
 pub const SCHEMA: u32 = 1;
 
 /// A method's parameters, by name.
