@@ -43,7 +43,7 @@ fn a_closed_mesh_does_not_leak_at_its_edges() {
     }
 }
 
-/// Plane distances overflow along the axes to which a ray is nearly parallel.
+/// Distances to planes that a ray is nearly parallel to are beyond all others.
 #[test]
 fn a_closed_mesh_does_not_leak_where_f32_ends() {
     for scale in [1e12, 1e15, 1e17] {
@@ -58,6 +58,15 @@ fn a_closed_mesh_does_not_leak_where_f32_ends() {
         let escaped = blocked(&world, &rays.collect::<Vec<_>>()).iter().filter(|b| !**b).count();
         assert_eq!(escaped, 0, "at scale {scale}");
     }
+}
+
+#[test]
+fn what_is_too_far_away_is_left_out() {
+    let mut random = Random(10);
+    let (mut positions, triangles) = closed_mesh(24, &mut random);
+    positions.iter_mut().for_each(|p| *p *= 1e28);
+    let world = World::build(&[Geometry::Triangles { positions: &positions, triangles: &triangles }]);
+    assert_eq!(blocked(&world, &[ray(Vec3::ZERO, Vec3::Z)]), [false]);
 }
 
 #[test]
