@@ -30,7 +30,8 @@ pub struct Body {
 }
 
 impl Body {
-    /// Builds the hierarchies over all geometries. Triangles without area and whatever is not finite are never hit.
+    /// Builds the hierarchies over all geometries. Triangles without area, and whatever is not finite or has
+    /// coordinates beyond 1e18, are never hit.
     ///
     /// # Panics
     /// If a triangle's index lies beyond its positions.

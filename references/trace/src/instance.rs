@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3, Quat, Vec3};
 
 use crate::body::Body;
 use crate::traced_ray::TracedRay;
-use crate::wide::{BUNDLE, Bundle, Found, Kernel, Packet, Stack};
+use crate::wide::{BUNDLE, Bundle, Found, Kernel, Packet, Stack, is_within_reach};
 use crate::world::Hit;
 
 /// A body rotated about the origin, then translated.
@@ -37,7 +37,7 @@ impl Instance {
 
     /// Whether it can be hit at all.
     pub(crate) fn is_proper(&self) -> bool {
-        self.body.bounds().is_some() && InstancePacket::bounds(self).iter().all(|corner| corner.is_finite())
+        self.body.bounds().is_some() && is_within_reach(InstancePacket::bounds(self))
     }
 
     /// The ray as the body sees it.

@@ -19,6 +19,14 @@ use traverse::ones;
 /// Children of a node and primitives of a packet.
 pub(crate) const LANES: usize = 8;
 
+/// Farthest coordinate of what can be built: areas of boxes stay finite.
+const FARTHEST: f32 = 1e18;
+
+/// Whether a box lies within [`FARTHEST`]; never for what is not a number.
+pub(crate) fn is_within_reach(corners: [Vec3; 2]) -> bool {
+    corners.iter().all(|corner| corner.abs().cmple(Vec3::splat(FARTHEST)).all())
+}
+
 /// Rays that are traced together.
 pub(crate) const BUNDLE: usize = 64;
 
@@ -36,7 +44,7 @@ pub(crate) trait Packet {
     /// The most primitives of a leaf, at most [`LANES`].
     const CAPACITY: usize = LANES;
 
-    /// Lowest and highest corner, finite.
+    /// Lowest and highest corner.
     fn bounds(primitive: &Self::Primitive) -> [Vec3; 2];
 
     /// At least one and at most `CAPACITY` primitives, in this order; lanes that are left over are never asked for.
@@ -168,7 +176,7 @@ enum Opened {
 }
 
 impl<P: Packet> Hierarchy<P> {
-    /// Every primitive must have finite bounds.
+    /// Every primitive must be within reach.
     pub(crate) fn build(items: &[(P::Primitive, Id)]) -> Self {
         build::build(items, Level::of_this_machine())
     }

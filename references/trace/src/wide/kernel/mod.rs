@@ -9,7 +9,7 @@ mod scalar;
 use glam::{Vec3, Vec3A};
 
 use super::{BUNDLE, Bundle, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
-use crate::traced_ray::{ROUNDING, TracedRay};
+use crate::traced_ray::TracedRay;
 
 /// A set of instructions. A value of it is proof that the machine has them.
 pub(crate) trait Kernel: Copy {
@@ -52,16 +52,9 @@ const FAR: u32 = (LANES * size_of::<f32>()) as u32;
 impl BoxRay {
     #[inline(always)]
     pub(super) fn new(ray: &TracedRay, bounds: &[Vec3; 2]) -> Self {
-        let mut inverse = Vec3A::from(ray.inverse);
+        let inverse = Vec3A::from(ray.inverse);
         let (at_origin, slack) = (Vec3A::from(ray.origin) * inverse, ray.slack(bounds));
-        let (mut near, mut far) = (at_origin + slack, at_origin - slack);
-        // Coordinates so huge that a plane's distance may overflow: the axis decides nothing.
-        let lost = !(slack / ROUNDING).is_finite_mask();
-        if lost.any() {
-            inverse = Vec3A::select(lost, Vec3A::ZERO, inverse);
-            near = Vec3A::select(lost, Vec3A::MAX, near);
-            far = Vec3A::select(lost, Vec3A::MIN, far);
-        }
+        let (near, far) = (at_origin + slack, at_origin - slack);
         let first = |axis: u32, inverse: f32| 2 * axis * FAR + if inverse.is_sign_negative() { FAR } else { 0 };
         let first = [first(0, ray.inverse.x), first(1, ray.inverse.y), first(2, ray.inverse.z)];
         BoxRay { inverse: inverse.into(), offsets: [near.into(), far.into()], first, t_min: ray.t_min }
