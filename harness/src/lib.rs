@@ -30,6 +30,7 @@
 //! ```
 
 pub mod cli;
+mod crosscheck;
 mod environment;
 mod error;
 mod execute;
@@ -45,6 +46,7 @@ mod select;
 mod settings;
 mod suite;
 
+pub use crosscheck::{SIGNIFICANCE, cross_check};
 pub use environment::{cpu_features, environment};
 pub use error::Error;
 pub use export::{Check, export_to_mitsuba};

@@ -14,6 +14,7 @@
 
 mod chip;
 mod collect;
+mod crosschecks;
 mod figures;
 mod format;
 mod labels;
@@ -25,4 +26,4 @@ mod summary;
 mod tables;
 
 pub use collect::build;
-pub use report::{Absent, Reference, Report, ReportError, Row, Scene};
+pub use report::{Absent, CrossCheck, Reference, Report, ReportError, Row, Scene};

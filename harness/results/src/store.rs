@@ -1,7 +1,7 @@
 //! The store: a results directory opened for reading and appending.
 
 use crate::exr::read_bytes;
-use crate::{Cell, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score, lines};
+use crate::{Cell, CrossCheck, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score, lines};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::io::ErrorKind;
@@ -168,6 +168,24 @@ impl Store {
     /// The score of a run's present picture against one reference.
     pub fn score(&self, cell: &Key, reference: &Key, metrics: u32) -> Option<&Score> {
         self.scores(cell).into_iter().find(|s| s.reference_key == *reference && s.metrics == metrics)
+    }
+
+    /// The latest cross-check of each scene, frame, quantity and program, in the order in which they first appeared.
+    pub fn cross_checks(&self) -> Vec<&CrossCheck> {
+        let mut latest: Vec<&CrossCheck> = Vec::new();
+        for record in &self.records {
+            let Record::CrossCheck(check) = record else { continue };
+            let same = |other: &&mut &CrossCheck| {
+                let place = |check: &CrossCheck| (check.scene_hash.clone(), check.frame);
+                let kind = |check: &CrossCheck| (check.quantity.clone(), check.program.clone());
+                place(other) == place(check) && kind(other) == kind(check)
+            };
+            match latest.iter_mut().find(same) {
+                Some(earlier) => *earlier = check,
+                None => latest.push(check),
+            }
+        }
+        latest
     }
 
     /// Where an image lies, or would lie.
