@@ -2,7 +2,7 @@
 
 use crate::exr::read_bytes;
 use crate::lines::{self, Appender};
-use crate::{Cell, Claim, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score};
+use crate::{Cell, Claim, CrossCheck, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -211,6 +211,24 @@ impl Store {
     /// The score of a run's present picture against one reference.
     pub fn score(&self, cell: &Key, reference: &Key, metrics: u32) -> Option<&Score> {
         self.scores(cell).into_iter().find(|s| s.reference_key == *reference && s.metrics == metrics)
+    }
+
+    /// The latest cross-check of each scene, frame, quantity and program, in the order in which they first appeared.
+    pub fn cross_checks(&self) -> Vec<&CrossCheck> {
+        let mut latest: Vec<&CrossCheck> = Vec::new();
+        for record in &self.records {
+            let Record::CrossCheck(check) = record else { continue };
+            let same = |other: &&mut &CrossCheck| {
+                let place = |check: &CrossCheck| (check.scene_hash.clone(), check.frame);
+                let kind = |check: &CrossCheck| (check.quantity.clone(), check.program.clone());
+                place(other) == place(check) && kind(other) == kind(check)
+            };
+            match latest.iter_mut().find(same) {
+                Some(earlier) => *earlier = check,
+                None => latest.push(check),
+            }
+        }
+        latest
     }
 
     /// Where an image lies, or would lie.

@@ -1,6 +1,8 @@
 //! The store on disk: reading back, deletion, torn and corrupt lines, several writers.
 
-use halflight_results::{Cell, Failure, Key, Phase, Record, Run, Score, Skip, Storage, Store, StoreError, Timing};
+use halflight_results::{
+    Cell, CrossCheck, Failure, Key, Phase, Record, Run, Score, Skip, Storage, Store, StoreError, Timing,
+};
 use std::fs;
 
 fn cell(seed: u64) -> Cell {
@@ -46,6 +48,43 @@ fn score(seed: u64, image: &[u8], rmse: f64) -> Record {
         resolved: true,
         measures: [("rmse".to_owned(), rmse)].into(),
     })
+}
+
+fn cross_check(quantity: &str, p: f64) -> CrossCheck {
+    CrossCheck {
+        scene: "bunny".into(),
+        scene_hash: "5ce9e".into(),
+        frame: 0,
+        quantity: quantity.into(),
+        program: "another".into(),
+        samples: [4096, 1024],
+        ours: Key::of_bytes(b"ours"),
+        theirs: Key::of_bytes(b"theirs"),
+        receiver_p: Key::of_bytes(b"p"),
+        receivers: 3,
+        largest: None,
+        family_p: 0.3,
+        bias: [1e-9, -1e-9, 0.0],
+        bias_error: [1e-8; 3],
+        bias_p: 0.9,
+        level: 0.5,
+        p,
+        agrees: true,
+    }
+}
+
+#[test]
+fn of_equal_cross_checks_the_latest_counts() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut store = Store::open(dir.path()).unwrap();
+    for check in [cross_check("direct", 0.1), cross_check("total", 0.2), cross_check("direct", 0.3)] {
+        store.append(Record::CrossCheck(Box::new(check))).unwrap();
+    }
+    for store in [store, Store::open(dir.path()).unwrap()] {
+        let kept: Vec<CrossCheck> = store.cross_checks().into_iter().cloned().collect();
+        assert_eq!(kept, [cross_check("direct", 0.3), cross_check("total", 0.2)]);
+        assert_eq!(store.outcomes().count(), 0, "a cross-check is no cell's outcome");
+    }
 }
 
 fn all(store: &Store) -> Vec<Record> {

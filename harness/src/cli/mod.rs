@@ -1,6 +1,7 @@
 //! The command line. Exit codes: 0 all is well, 1 cells failed, pictures differ or references are not as they should be, 2 the request cannot be carried out.
 
 mod budget;
+mod crosscheck;
 mod diff;
 mod doctor;
 mod export;
@@ -48,6 +49,8 @@ enum Command {
     Diff(diff::Diff),
     /// Write a scene for another renderer, with receivers and their truth to hold that renderer against
     Export(export::Export),
+    /// Hold the truth against what another renderer found in an exported scene
+    Crosscheck(crosscheck::Check),
     /// List what there is
     List(list::List),
     /// Show the machine, the build and the folders, and verify the shipped scenes
@@ -182,6 +185,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Refs(refs)) => refs.act(),
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
+        Some(Command::Crosscheck(check)) => check.act(),
         Some(Command::List(list)) => list.act(),
         Some(Command::Doctor(doctor)) => doctor.act(),
     }
