@@ -36,6 +36,7 @@ mod environment;
 mod error;
 mod execute;
 mod export;
+pub mod gate;
 mod judge;
 mod plan;
 mod probe;

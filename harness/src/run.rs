@@ -267,6 +267,6 @@ impl Running<'_> {
 }
 
 /// A reference's key as results write it.
-fn reference_key(key: &str) -> Key {
+pub(crate) fn reference_key(key: &str) -> Key {
     Key::try_from(key.to_owned()).unwrap_or_else(|_| Key::of_bytes(key.as_bytes()))
 }

@@ -1,10 +1,12 @@
 //! The command line. Exit codes: 0 all is well, 1 cells failed, pictures differ or references are not as they should be, 2 the request cannot be carried out.
 
+mod bless;
 mod budget;
 mod crosscheck;
 mod diff;
 mod doctor;
 mod export;
+mod gate;
 mod list;
 mod paths;
 mod plan;
@@ -45,6 +47,10 @@ enum Command {
     Budget(budget::Budget),
     /// Make, check, list or clear away references
     Refs(refs::Refs),
+    /// Run what is not in the results yet (the default: the `gate` suite) and hold all of it against the baselines
+    Gate(gate::Gate),
+    /// Make what was measured the baselines, and say what changes
+    Bless(bless::Bless),
     /// Compare two EXR pictures, or the pictures of two results directories
     Diff(diff::Diff),
     /// Write a scene for another renderer, with receivers and their truth to hold that renderer against
@@ -183,6 +189,8 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Probe(probe)) => probe.act(),
         Some(Command::Budget(budget)) => budget.act(),
         Some(Command::Refs(refs)) => refs.act(),
+        Some(Command::Gate(gate)) => gate.act(),
+        Some(Command::Bless(bless)) => bless.act(),
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
         Some(Command::Crosscheck(check)) => check.act(),

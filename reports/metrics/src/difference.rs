@@ -27,6 +27,9 @@ pub struct Difference {
     pub resolved: bool,
     /// Receivers compared.
     pub receivers: usize,
+    /// As many receivers of equal weight would know `rmse_error` and `bias_error` as well as these do, of the two the fewer
+    /// (Satterthwaite 1946); 0 without noise.
+    pub effective: f64,
 }
 
 /// Measures a picture against a reference; each has a variance at every receiver, zeros where there is no noise.
@@ -44,7 +47,9 @@ pub fn difference(
     let count = receivers.len() as f64;
     let (mut square, mut signed, mut noise, mut doubt, mut least_doubt) = (0.0, 0.0, 0.0, 0.0, 0.0);
     let mut channels = [0.0; 3];
+    let (mut square_doubt, mut signed_doubt) = (Weights::default(), Weights::default());
     for &i in &receivers {
+        let (mut own_doubt, mut own_variance) = (0.0, 0.0);
         for c in 0..3 {
             let d = f64::from(x.radiance[i][c]) - f64::from(reference.radiance[i][c]);
             let variance = f64::from(x_variance[i][c]) + f64::from(reference_variance[i][c]);
@@ -55,7 +60,11 @@ pub fn difference(
             // The variance of d² for a normal d of mean δ is 4δ²σ² + 2σ⁴, and the mean of d² is δ² + σ².
             doubt += (4.0 * d * d * variance - 2.0 * variance * variance) / 3.0;
             least_doubt += 2.0 * variance * variance / 3.0;
+            own_doubt += 4.0 * d * d * variance;
+            own_variance += variance;
         }
+        square_doubt.add(own_doubt);
+        signed_doubt.add(own_variance);
     }
     let apart = (square - noise) / count;
     let apart_error = f64::max(doubt, least_doubt).sqrt() / count;
@@ -70,7 +79,26 @@ pub fn difference(
         noise: (noise / count).sqrt(),
         resolved: apart_error == 0.0 || apart > 2.0 * apart_error,
         receivers: receivers.len(),
+        effective: square_doubt.effective().min(signed_doubt.effective()),
     })
+}
+
+/// How evenly variance is spread.
+#[derive(Default)]
+struct Weights {
+    sum: f64,
+    squares: f64,
+}
+
+impl Weights {
+    fn add(&mut self, weight: f64) {
+        self.sum += weight;
+        self.squares += weight * weight;
+    }
+
+    fn effective(&self) -> f64 {
+        if self.squares > 0.0 { self.sum * self.sum / self.squares } else { 0.0 }
+    }
 }
 
 #[cfg(test)]
@@ -113,6 +141,7 @@ mod tests {
         let (mut rmse, mut bias) = (Vec::new(), Vec::new());
         for _ in 0..200 {
             let d = measured(&mut random, 0.03, 0.01, 0.05);
+            assert!(d.effective > 0.1 * COUNT as f64 && d.effective <= COUNT as f64);
             assert!(d.resolved && d.receivers == COUNT && (d.noise - 0.05 * 2f64.sqrt()).abs() < 1e-6);
             rmse.push((d.rmse - 0.001f64.sqrt()) / d.rmse_error);
             bias.push((d.bias - 0.01) / d.bias_error);
@@ -139,7 +168,7 @@ mod tests {
     fn without_noise_everything_is_known() {
         let d = measured(&mut Random(1), 0.25, 0.5, 0.0);
         assert!((d.rmse - 0.3125f64.sqrt()).abs() < 1e-6 && (d.bias - 0.5).abs() < 1e-6, "{d:?}");
-        assert_eq!((d.rmse_error, d.bias_error, d.noise, d.resolved), (0.0, 0.0, 0.0, true));
+        assert_eq!((d.rmse_error, d.bias_error, d.noise, d.resolved, d.effective), (0.0, 0.0, 0.0, true, 0.0));
         assert_eq!(measured(&mut Random(1), 0.0, 0.0, 0.0).rmse, 0.0);
     }
 }
