@@ -278,7 +278,8 @@ impl Store {
         Ok(ReferencePicture::from_exr(&self.read_image(image)?, &self.image_path(image))?)
     }
 
-    fn read_image(&self, image: &Key) -> Result<Vec<u8>, PictureError> {
+    /// Reads the bytes of an image and checks them against their hash.
+    pub(crate) fn read_image(&self, image: &Key) -> Result<Vec<u8>, PictureError> {
         let path = self.image_path(image);
         let bytes = read_bytes(&path)?;
         let actual = Key::of_bytes(&bytes);
