@@ -4,11 +4,14 @@ mod diff;
 mod doctor;
 mod export;
 mod list;
+mod merge;
 mod paths;
 mod plan;
 mod probe;
 mod report;
 mod run;
+mod score;
+mod table;
 
 use crate::select::Selection;
 use crate::settings::Setting;
@@ -35,11 +38,15 @@ enum Command {
     Plan(plan::Plan),
     /// Make the report again from a results directory
     Report(report::Report),
+    /// Score stored pictures again against their stored references, where the error measures are newer than the scores
+    Score(score::Score),
+    /// Put the results of several directories into one
+    Merge(merge::Merge),
     /// Print radiance, or a reference's, at given points
     Probe(probe::Probe),
     /// Compare two EXR pictures, or the pictures of two results directories
     Diff(diff::Diff),
-    /// Write a scene for another renderer, with receivers and their truth to hold that renderer against
+    /// Write the results as a table, or a scene for another renderer with receivers and their truth to hold that against
     Export(export::Export),
     /// List what there is
     List(list::List),
@@ -144,6 +151,8 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Run(run)) => run.act(),
         Some(Command::Plan(plan)) => plan.act(),
         Some(Command::Report(report)) => report.act(),
+        Some(Command::Score(score)) => score.act(),
+        Some(Command::Merge(merge)) => merge.act(),
         Some(Command::Probe(probe)) => probe.act(),
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
