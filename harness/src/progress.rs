@@ -48,6 +48,15 @@ impl Progress {
         }
     }
 
+    /// Tells something beside the steps.
+    pub(crate) fn note(&self, line: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(line),
+            None if self.quiet => {}
+            None => eprintln!("{line}"),
+        }
+    }
+
     /// The present step turned out to be no work.
     pub(crate) fn pass(&mut self) {
         self.finished += 1;

@@ -29,12 +29,14 @@ mod claim;
 mod exr;
 mod key;
 mod lines;
+mod merge;
 mod picture;
 mod record;
 mod store;
 
 pub use claim::Claim;
 pub use key::{Key, KeyError};
+pub use merge::Merged;
 pub use picture::{Layout, Picture, PictureError, ReferencePicture};
 pub use record::{
     Cell, CrossCheck, Environment, Failure, Params, Phase, Record, Run, SCHEMA, Score, Skip, Storage, Timing,

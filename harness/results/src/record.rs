@@ -264,3 +264,12 @@ pub struct CrossCheck {
     /// Whether `p` is above the level of the test.
     pub agrees: bool,
 }
+
+impl CrossCheck {
+    /// Whether another check is of the same scene, frame and quantity with the same program.
+    pub fn same_subject(&self, other: &CrossCheck) -> bool {
+        let place = |check: &CrossCheck| (check.scene_hash.clone(), check.frame);
+        let kind = |check: &CrossCheck| (check.quantity.clone(), check.program.clone());
+        place(self) == place(other) && kind(self) == kind(other)
+    }
+}

@@ -218,12 +218,7 @@ impl Store {
         let mut latest: Vec<&CrossCheck> = Vec::new();
         for record in &self.records {
             let Record::CrossCheck(check) = record else { continue };
-            let same = |other: &&mut &CrossCheck| {
-                let place = |check: &CrossCheck| (check.scene_hash.clone(), check.frame);
-                let kind = |check: &CrossCheck| (check.quantity.clone(), check.program.clone());
-                place(other) == place(check) && kind(other) == kind(check)
-            };
-            match latest.iter_mut().find(same) {
+            match latest.iter_mut().find(|other| other.same_subject(check)) {
                 Some(earlier) => *earlier = check,
                 None => latest.push(check),
             }
@@ -296,7 +291,8 @@ impl Store {
         Ok(ReferencePicture::from_exr(&self.read_image(image)?, &self.image_path(image))?)
     }
 
-    fn read_image(&self, image: &Key) -> Result<Vec<u8>, PictureError> {
+    /// Reads the bytes of an image and checks them against their hash.
+    pub(crate) fn read_image(&self, image: &Key) -> Result<Vec<u8>, PictureError> {
         let path = self.image_path(image);
         let bytes = read_bytes(&path)?;
         let actual = Key::of_bytes(&bytes);

@@ -8,12 +8,15 @@ mod doctor;
 mod export;
 mod gate;
 mod list;
+mod merge;
 mod paths;
 mod plan;
 mod probe;
 mod refs;
 mod report;
 mod run;
+mod score;
+mod table;
 
 use crate::select::Selection;
 use crate::settings::Setting;
@@ -41,6 +44,10 @@ enum Command {
     Plan(plan::Plan),
     /// Make the report again from a results directory
     Report(report::Report),
+    /// Score stored pictures again against their stored references, where the error measures are newer than the scores
+    Score(score::Score),
+    /// Put the results of several directories into one
+    Merge(merge::Merge),
     /// Print radiance, or a reference's, at given points
     Probe(probe::Probe),
     /// Walk from the truth to a method, one approximation a step, and say what each adds to the error
@@ -53,7 +60,7 @@ enum Command {
     Bless(bless::Bless),
     /// Compare two EXR pictures, or the pictures of two results directories
     Diff(diff::Diff),
-    /// Write a scene for another renderer, with receivers and their truth to hold that renderer against
+    /// Write the results as a table, or a scene for another renderer with receivers and their truth to hold that against
     Export(export::Export),
     /// Hold the truth against what another renderer found in an exported scene
     Crosscheck(crosscheck::Check),
@@ -186,6 +193,8 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Run(run)) => run.act(),
         Some(Command::Plan(plan)) => plan.act(),
         Some(Command::Report(report)) => report.act(),
+        Some(Command::Score(score)) => score.act(),
+        Some(Command::Merge(merge)) => merge.act(),
         Some(Command::Probe(probe)) => probe.act(),
         Some(Command::Budget(budget)) => budget.act(),
         Some(Command::Refs(refs)) => refs.act(),

@@ -84,6 +84,16 @@ impl Bench {
         found.sort();
         found
     }
+
+    /// Folders below a folder with their time of change, sorted.
+    pub(crate) fn folders(&self, folder: &str) -> Vec<(PathBuf, std::time::SystemTime)> {
+        let mut folders: Vec<PathBuf> =
+            self.files(folder).iter().map(|(path, ..)| path.parent().unwrap().to_owned()).collect();
+        folders.sort();
+        folders.dedup();
+        let changed = |path: PathBuf| (path.metadata().unwrap().modified().unwrap(), path);
+        folders.into_iter().map(changed).map(|(time, path)| (path, time)).collect()
+    }
 }
 
 fn collect(dir: &Path, found: &mut Vec<(PathBuf, Vec<u8>, std::time::SystemTime)>) {
