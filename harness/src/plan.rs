@@ -178,13 +178,13 @@ impl Plan {
             support: method.supports(&content.facts(), &Request { quantity, backend, params }),
             cells: frames.iter().map(cell).collect(),
             empty: frames.iter().filter(|f| !f.receivers.valid.contains(&true)).map(|f| f.index as u32).collect(),
-            references: judge::references(references, quantity, params)?,
+            references: judge::references(references, quantity, params, content)?,
         })
     }
 }
 
 /// A quantity that makes a picture, by its name.
-fn quantity(name: &str) -> Result<Quantity, Error> {
+pub(crate) fn quantity(name: &str) -> Result<Quantity, Error> {
     let known = [Quantity::Direct, Quantity::Total].into_iter();
     let known = known.chain((1..=u8::MAX).map(|bounces| Quantity::Indirect { bounces }));
     let found = known.into_iter().find(|quantity| quantity.to_string() == name);

@@ -1,15 +1,16 @@
 //! Scores: a cell's picture against its references. Only those that are not in the store are made.
 
-use halflight_contract::{Cache, Meter};
+use halflight_contract::{Cache, Meter, Quantity};
 use halflight_metrics::VERSION;
-use halflight_references::{Quality, Reference, ReferenceStore};
-use halflight_results::{Key, Layout, Picture, ReferencePicture, Score, Store, StoreError};
+use halflight_references::{Quality, Reference, ReferenceStore, Request, obtain};
+use halflight_results::{Key, Layout, Picture, ReferencePicture, Run, Score, Store, StoreError};
 use halflight_scenes::{Frame, Receivers, Scene};
 
-/// A reference on one frame, and the cells that lack a score against it.
+/// A reference of a quantity on one frame, and the cells that lack a score against it.
 pub(crate) struct Judgement {
     pub(crate) frame: usize,
     pub(crate) reference: Reference,
+    pub(crate) quantity: Quantity,
     /// Of everything that decides the reference.
     pub(crate) key: Key,
     pub(crate) cells: Vec<Key>,
@@ -46,16 +47,9 @@ impl Judgement {
         store: &Store,
         meter: &mut dyn Meter,
     ) -> Result<Judge, String> {
-        let obtained = halflight_references::obtain(
-            with.references,
-            &self.reference,
-            scene,
-            frame,
-            with.quality,
-            with.seed,
-            with.cache,
-            meter,
-        );
+        let (reference, quantity) = (&self.reference, self.quantity);
+        let request = Request { reference, quantity, scene, frame, quality: with.quality, seed: with.seed };
+        let obtained = obtain(with.references, &request, with.cache, meter);
         let (estimate, _, made) = obtained.map_err(|e| e.to_string())?;
         let picture = ReferencePicture {
             layout: layout(&frame.receivers),
@@ -67,28 +61,35 @@ impl Judgement {
         let image = store.write_reference(&picture).map_err(|e| e.to_string())?;
         Ok(Judge { image, picture, made })
     }
+}
 
-    /// The score of one cell's picture.
-    pub(crate) fn score(&self, cell: &Key, store: &Store, judge: &Judge) -> Result<Score, String> {
-        let Some(image) = store.run(cell).and_then(|run| run.image.clone()) else {
-            return Err(format!("cell {}: expected a run with a picture", cell.short()));
-        };
-        let picture = store.read_picture(&image).map_err(|e| e.to_string())?;
-        let standard_error = judge.picture.standard_error();
-        let scores = halflight_metrics::compare(&view(&picture), &view(&judge.picture.picture()), &standard_error);
-        let scores = scores.map_err(|e| e.to_string())?;
-        Ok(Score {
-            run: cell.clone(),
-            image,
-            reference: self.reference.id(),
-            reference_key: self.key.clone(),
-            reference_image: judge.image.clone(),
-            metrics: VERSION,
-            receivers: scores.receivers,
-            resolved: scores.resolved,
-            measures: scores.measures().map(|(name, value)| (name.to_owned(), value)).collect(),
-        })
-    }
+/// The score of a run's picture against a reference of this id and key.
+pub(crate) fn score(
+    run: &Run,
+    reference: &str,
+    reference_key: &Key,
+    store: &Store,
+    judge: &Judge,
+) -> Result<Score, String> {
+    let cell = run.cell.key();
+    let Some(image) = run.image.clone() else {
+        return Err(format!("cell {}: expected a run with a picture", cell.short()));
+    };
+    let picture = store.read_picture(&image).map_err(|e| e.to_string())?;
+    let standard_error = judge.picture.standard_error();
+    let scores = halflight_metrics::compare(&view(&picture), &view(&judge.picture.picture()), &standard_error);
+    let scores = scores.map_err(|e| e.to_string())?;
+    Ok(Score {
+        run: cell,
+        image,
+        reference: reference.to_owned(),
+        reference_key: reference_key.clone(),
+        reference_image: judge.image.clone(),
+        metrics: VERSION,
+        receivers: scores.receivers,
+        resolved: scores.resolved,
+        measures: scores.measures().map(|(name, value)| (name.to_owned(), value)).collect(),
+    })
 }
 
 /// What references are made with.
@@ -109,7 +110,7 @@ pub(crate) fn write(
 }
 
 /// The layout of receivers as pictures have it.
-fn layout(receivers: &Receivers) -> Layout {
+pub(crate) fn layout(receivers: &Receivers) -> Layout {
     match receivers.layout {
         halflight_scenes::Layout::Image { width, height } => Layout::Image { width, height },
         halflight_scenes::Layout::List => Layout::List(receivers.len()),

@@ -11,6 +11,16 @@ pub enum Error {
     /// Making what the reference needs failed, or the caller cancelled.
     #[error(transparent)]
     Contract(#[from] halflight_contract::Error),
+    /// There is no such reference of the quantity in the scene.
+    #[error("reference {reference} of {quantity}: {reason}")]
+    NotServed {
+        /// Its id.
+        reference: String,
+        /// What was asked for.
+        quantity: halflight_contract::Quantity,
+        /// Why not.
+        reason: String,
+    },
     /// A quality that cannot be met by any number of samples.
     #[error("reference quality: {field} is {value}, expected {expected}")]
     Quality {

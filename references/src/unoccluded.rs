@@ -60,14 +60,17 @@ impl Open {
             Open::Sky(Sky::Overcast(zenith)) => {
                 zenith.as_dvec3() * analytic::overcast(normal.z.clamp(-1.0, 1.0).acos())
             }
-            Open::Key(key) => {
-                let towards = key.direction.as_dvec3();
-                // atan2 keeps its digits for a light at the zenith, where acos has lost half of them.
-                let angle = towards.cross(normal).length().atan2(towards.dot(normal));
-                key.radiance.as_dvec3() * analytic::circle(f64::from(key.angular_radius), angle)
-            }
+            Open::Key(key) => open_key(key, normal),
         }
     }
+}
+
+/// What a surface of albedo 1 reflects of a key light with nothing in the way.
+pub(crate) fn open_key(key: &KeyLight, normal: DVec3) -> DVec3 {
+    let towards = key.direction.as_dvec3();
+    // atan2 keeps its digits for a light at the zenith, where acos has lost half of them.
+    let angle = towards.cross(normal).length().atan2(towards.dot(normal));
+    key.radiance.as_dvec3() * analytic::circle(f64::from(key.angular_radius), angle)
 }
 
 /// An environment map, in blocks of texels whose light is known as a vector: what lies wholly above the horizon reflects its

@@ -1,96 +1,98 @@
 //! What blocks light on its way to receivers.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use halflight_proxies::{SelfShadow, seen};
-use halflight_scenes::{Frame, PosedObject, Scene, Shape, Sphere, Which};
-use halflight_trace::World;
+use halflight_scenes::Sphere;
+use halflight_trace::Ray;
 
 use crate::receiver::Receiver;
+use crate::traced::Traced;
 
 /// The blockers of one frame.
-pub(crate) enum Visibility {
+#[derive(Clone)]
+pub(crate) struct Visibility {
+    pub(crate) blockers: Blockers,
+    /// Whether all that lies below the horizontal plane is blocked.
+    pub(crate) upper_sky: bool,
+}
+
+#[derive(Clone)]
+pub(crate) enum Blockers {
     /// Traced geometry.
-    Traced {
-        /// Objects that cast shadows, posed.
-        world: Box<World>,
-        /// For each object, the farthest from the origin that it gets; `None` for one that no ray can hit.
-        reaches: Vec<Option<f32>>,
-    },
+    Traced(Arc<Traced>),
     /// Spheres seen under a self-shadow rule.
     Spheres {
         /// All spheres, posed.
-        spheres: Vec<Sphere>,
+        spheres: Arc<Vec<Sphere>>,
         /// The rule.
         rule: SelfShadow,
     },
 }
 
-/// How far off its own surface a receiver's rays start, in rounding steps of the largest coordinate of the object that it lies
-/// on: a position on a triangle is a sum of a few rounded products of its corners. What lies on nothing that casts needs none.
-const OFFSET_STEPS: f32 = 16.0;
-
-/// The same for a receiver of which only the position is known: that was rounded once.
-const OFFSET_STEPS_OF_POINTS: f32 = 2.0;
-
 impl Visibility {
-    /// The real geometry of a frame.
-    pub(crate) fn traced(scene: &Scene, frame: &Frame) -> Self {
-        let reach_of = |posed: &PosedObject| match &scene.objects[posed.object] {
-            object if object.casts => Some(reach(&object.shape) + posed.pose.translation.length()),
-            _ => None,
-        };
-        let reaches = frame.objects.iter().map(reach_of).collect();
-        Visibility::Traced { world: Box::new(scene.world(frame, Which::Casters)), reaches }
+    /// Where a receiver's rays start. Lamps are looked for from there: a ray that starts elsewhere than where it was aimed from
+    /// may graze the lamp itself before it ends.
+    pub(crate) fn start(&self, receiver: &Receiver) -> Vec3 {
+        match &self.blockers {
+            Blockers::Traced(traced) => traced.lift(receiver.object, receiver.position, receiver.geometric_normal),
+            Blockers::Spheres { .. } => receiver.position,
+        }
     }
 
     /// What a receiver sees of the blockers.
     pub(crate) fn from(&self, receiver: &Receiver) -> View<'_> {
-        match self {
-            Visibility::Traced { world, reaches } => {
-                let steps = match receiver.object.map(|object| reaches[object as usize]) {
-                    Some(Some(reach)) => OFFSET_STEPS * reach,
-                    Some(None) => 0.0,
-                    None => OFFSET_STEPS_OF_POINTS * receiver.position.length(),
-                };
-                let offset = f32::EPSILON * steps;
-                View::Rays { world, origin: receiver.position + offset * receiver.geometric_normal }
-            }
-            Visibility::Spheres { spheres, rule } => View::Circles(circles(receiver, spheres, *rule)),
-        }
-    }
-}
-
-/// The farthest from the origin that a shape gets.
-fn reach(shape: &Shape) -> f32 {
-    match shape {
-        Shape::Mesh(mesh) => mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max),
-        Shape::Spheres(spheres) => spheres.iter().map(|s| s.center.length() + s.radius).fold(0.0, f32::max),
+        let sight = match &self.blockers {
+            Blockers::Traced(traced) => Sight::Rays { traced, origin: self.start(receiver) },
+            Blockers::Spheres { spheres, rule } => Sight::Circles(circles(receiver, spheres, *rule)),
+        };
+        View { sight, upper_sky: self.upper_sky }
     }
 }
 
 /// The blockers as one receiver sees them.
-pub(crate) enum View<'w> {
+pub(crate) struct View<'w> {
+    sight: Sight<'w>,
+    upper_sky: bool,
+}
+
+enum Sight<'w> {
     /// Rays from an origin.
-    Rays {
-        /// What they may hit.
-        world: &'w World,
-        /// Where they start.
-        origin: Vec3,
-    },
+    Rays { traced: &'w Traced, origin: Vec3 },
     /// Blocked circles: centre and squared chord from the centre to the rim, the largest first.
     Circles(Vec<(Vec3, f32)>),
 }
 
 impl View<'_> {
-    /// Whether each unit direction is blocked; the slices have equal lengths.
+    /// Whether the distance is blocked in each unit direction; the slices have equal lengths.
     pub(crate) fn blocked(&self, directions: &[Vec3], blocked: &mut [bool]) {
-        match self {
-            View::Rays { world, origin } => world.occluded_from(*origin, 0.0, directions, blocked),
-            View::Circles(circles) => {
-                for (direction, blocked) in directions.iter().zip(blocked) {
+        match &self.sight {
+            Sight::Rays { traced, origin } => traced.world.occluded_from(*origin, 0.0, directions, blocked),
+            Sight::Circles(circles) => {
+                for (direction, blocked) in directions.iter().zip(&mut *blocked) {
                     *blocked = circles.iter().any(|(axis, chord)| direction.distance_squared(*axis) <= *chord);
                 }
             }
+        }
+        if self.upper_sky {
+            directions.iter().zip(blocked).for_each(|(direction, blocked)| *blocked |= direction.z < 0.0);
+        }
+    }
+
+    /// A ray as far as a point of the scene; circles know no distances.
+    pub(crate) fn ray(&self, direction: Vec3, distance: f32) -> Ray {
+        match &self.sight {
+            Sight::Rays { origin, .. } => Ray { origin: *origin, direction, t_min: 0.0, t_max: distance },
+            Sight::Circles(_) => unreachable!("spheres are proxies under distant light alone"),
+        }
+    }
+
+    /// Whether anything lies on each ray.
+    pub(crate) fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
+        match &self.sight {
+            Sight::Rays { traced, .. } => traced.world.occluded(rays, blocked),
+            Sight::Circles(_) => unreachable!("spheres are proxies under distant light alone"),
         }
     }
 }

@@ -3,8 +3,8 @@
 mod support;
 
 use glam::Vec3;
-use halflight_contract::{Cache, Error as ContractError, Flow, Meter};
-use halflight_references::{Error, Estimate, Quality, Reference, estimate};
+use halflight_contract::{Cache, Error as ContractError, Flow, Meter, Quantity};
+use halflight_references::{Error, Estimate, Quality, Reference, Request, estimate};
 use halflight_scenes::{Rgb, Scene};
 use support::*;
 
@@ -15,17 +15,25 @@ fn busy() -> Scene {
     scene(vec![spheres(&[(Vec3::new(0.0, 0.0, 0.7), 0.5)]), ball(Vec3::new(0.9, 0.5, 0.6), 0.4, 12)], lights, &points)
 }
 
-fn with_threads(threads: usize, reference: &str, seed: u64) -> Estimate {
+fn with_threads(threads: usize, reference: &str, quantity: Quantity, seed: u64) -> Estimate {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-    pool.install(|| run(reference, &busy(), &Quality { max_samples: 256, ..Quality::default() }, seed))
+    let quality = Quality { max_samples: 256, ..Quality::default() };
+    pool.install(|| run_of(quantity, reference, &busy(), &quality, seed).expect("an estimate"))
 }
 
 #[test]
 fn one_and_two_threads_agree_and_seeds_do_not() {
-    for reference in ["truth", "sh-light:3", "sphere-proxies:8"] {
-        let one = with_threads(1, reference, 7);
-        assert_eq!(one, with_threads(2, reference, 7), "{reference}");
-        assert_ne!(one, with_threads(2, reference, 8), "{reference}");
+    for (reference, quantity) in [
+        ("truth", Quantity::Direct),
+        ("truth", Quantity::Total),
+        ("sh-light:3", Quantity::Direct),
+        ("sphere-proxies:8", Quantity::Direct),
+        ("sh-visibility:3", Quantity::Direct),
+        ("unoccluded-indirect", Quantity::Indirect { bounces: 2 }),
+    ] {
+        let one = with_threads(1, reference, quantity, 7);
+        assert_eq!(one, with_threads(2, reference, quantity, 7), "{reference}");
+        assert_ne!(one, with_threads(2, reference, quantity, 8), "{reference}");
         assert!(one.mean.iter().chain(&one.variance).all(|v| v.is_finite()));
     }
 }
@@ -77,7 +85,8 @@ impl Meter for Impatient {
 fn cancelling_stops() {
     let scene = busy();
     let quality = Quality::default();
-    let result =
-        estimate(&Reference::Truth, &scene, &scene.frame(0), &quality, 1, &Cache::in_memory(), &mut Impatient(0));
+    let (reference, frame) = (&Reference::TRUTH, &scene.frame(0));
+    let request = Request { reference, quantity: Quantity::Direct, scene: &scene, frame, quality: &quality, seed: 1 };
+    let result = estimate(&request, &Cache::in_memory(), &mut Impatient(0));
     assert!(matches!(result, Err(Error::Contract(ContractError::Cancelled))), "{result:?}");
 }

@@ -12,8 +12,10 @@
 //! # }
 //! ```
 
+mod budget;
 mod chip;
 mod collect;
+mod crosschecks;
 mod figures;
 mod format;
 mod labels;
@@ -24,5 +26,6 @@ mod report;
 mod summary;
 mod tables;
 
+pub use budget::{Budget, BudgetStep};
 pub use collect::build;
-pub use report::{Absent, Reference, Report, ReportError, Row, Scene};
+pub use report::{Absent, CrossCheck, Reference, Report, ReportError, Row, Scene};

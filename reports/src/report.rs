@@ -18,6 +18,8 @@ pub struct Report {
     pub methods: Vec<String>,
     /// One section a scene and frame.
     pub scenes: Vec<Scene>,
+    /// What other programs say to the truth.
+    pub cross_checks: Vec<CrossCheck>,
     /// Cells that were skipped.
     pub skips: Vec<Absent>,
     /// Cells that failed.
@@ -59,6 +61,19 @@ pub struct Row {
     pub scores: Vec<Score>,
 }
 
+/// What another program says to the truth. Pictures are none where a file is missing or damaged.
+#[derive(Clone, Debug)]
+pub struct CrossCheck {
+    /// The record.
+    pub record: halflight_results::CrossCheck,
+    /// The truth.
+    pub ours: Option<Picture>,
+    /// The other program's picture.
+    pub theirs: Option<Picture>,
+    /// The probability of the difference at each receiver.
+    pub receiver_p: Option<Picture>,
+}
+
 /// A cell without a run.
 #[derive(Clone, Debug)]
 pub struct Absent {
@@ -98,19 +113,23 @@ impl Report {
         crate::page::html(self)
     }
 
-    /// Writes the page, beside its place first, so that an older page is replaced whole or not at all.
+    /// Writes the page; an older one is replaced whole or not at all.
     ///
     /// # Errors
     /// The page could not be made or written.
     pub fn write(&self, path: &Path) -> Result<(), ReportError> {
-        let html = self.html()?;
-        let beside = path.with_extension(format!("{}.tmp", std::process::id()));
-        std::fs::write(&beside, html).and_then(|()| std::fs::rename(&beside, path)).map_err(|source| {
-            // The first error is the one to report.
-            let _ = std::fs::remove_file(&beside);
-            ReportError::Io { path: path.to_owned(), source }
-        })
+        replace(path, &self.html()?)
     }
+}
+
+/// Writes a page, beside its place first, so that an older page is replaced whole or not at all.
+pub(crate) fn replace(path: &Path, html: &str) -> Result<(), ReportError> {
+    let beside = path.with_extension(format!("{}.tmp", std::process::id()));
+    std::fs::write(&beside, html).and_then(|()| std::fs::rename(&beside, path)).map_err(|source| {
+        // The first error is the one to report.
+        let _ = std::fs::remove_file(&beside);
+        ReportError::Io { path: path.to_owned(), source }
+    })
 }
 
 impl Scene {

@@ -1,5 +1,6 @@
 //! Files that a scene names: read, checked against their hash, decoded by extension.
 
+mod height_map;
 mod image;
 mod obj;
 mod off;
@@ -15,6 +16,7 @@ use glam::Vec3;
 use crate::check::Checker;
 use crate::{Content, Mesh, SceneError};
 
+pub(crate) use height_map::HeightMap;
 pub(crate) use image::Image;
 pub use points::read_points_csv;
 
@@ -75,6 +77,15 @@ impl Asset {
             "exr" => image::read_exr(check, &self.bytes),
             "hdr" => image::read_hdr(check, &self.bytes),
             other => Err(check.invalid("extension", "a picture as .exr or .hdr", other)),
+        }
+    }
+
+    /// A picture of heights.
+    pub(crate) fn height_map(&self) -> Result<HeightMap, SceneError> {
+        let check = self.check();
+        match self.extension().as_str() {
+            "exr" => height_map::read_exr(check, &self.bytes),
+            other => Err(check.invalid("extension", "a picture of heights as .exr", other)),
         }
     }
 

@@ -7,8 +7,12 @@ pub struct SceneFacts {
     pub objects: usize,
     /// Objects that cast shadows.
     pub casters: usize,
-    /// Triangles of all meshes.
+    /// Objects that emit light.
+    pub emitters: usize,
+    /// Triangles of all meshes and height fields.
     pub triangles: usize,
+    /// Height fields that cast shadows.
+    pub height_fields: usize,
     /// Exact spheres of all objects.
     pub spheres: usize,
     /// Environment maps.
@@ -23,4 +27,11 @@ pub struct SceneFacts {
     pub moving: bool,
     /// Receivers a frame.
     pub receivers: usize,
+}
+
+impl SceneFacts {
+    /// Lights that are infinitely far away.
+    pub fn distant_lights(&self) -> usize {
+        self.environments + self.skies + self.key_lights
+    }
 }

@@ -1,6 +1,10 @@
 //! The scene file as it is written: plain data, unknown fields refused. Angles are in degrees here.
 
+mod heights;
+
 use serde::Deserialize;
+
+pub(crate) use heights::{HeightsFile, WaveFile};
 
 /// A scene file.
 #[derive(Debug, Deserialize)]
@@ -42,6 +46,8 @@ pub(crate) struct ReceiversFile {
     pub(crate) grid: Option<GridFile>,
     /// Lines of `x,y,z,nx,ny,nz`, albedo 1.
     pub(crate) points: Option<PointsFile>,
+    /// The vertices of a height field, as a picture.
+    pub(crate) heights: Option<VerticesFile>,
 }
 
 /// An empty table.
@@ -83,12 +89,16 @@ pub(crate) struct ObjectFile {
     pub(crate) sphere: Option<SphereFile>,
     pub(crate) random_spheres: Option<RandomSpheresFile>,
     pub(crate) plane: Option<PlaneFile>,
+    pub(crate) heights: Option<HeightsFile>,
     #[serde(default = "one")]
     pub(crate) scale: f32,
     pub(crate) rotate: Option<Rotation>,
     #[serde(default)]
     pub(crate) translate: [f32; 3],
     pub(crate) albedo: [f32; 3],
+    /// Radiance that leaves the front of its surface.
+    #[serde(default)]
+    pub(crate) emission: [f32; 3],
     #[serde(default = "yes")]
     pub(crate) casts: bool,
     #[serde(default)]

@@ -11,7 +11,7 @@ pub struct PosedObject {
     pub object: usize,
     /// Rigid motion from rest.
     pub pose: Pose,
-    /// Changes exactly when shape, albedo or pose does.
+    /// Changes exactly when shape, albedo, emission or pose does.
     pub revision: Revision,
 }
 

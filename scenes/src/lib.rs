@@ -6,6 +6,7 @@
 #![doc = include_str!("../README.md")]
 
 mod assets;
+mod bodies;
 mod camera;
 mod check;
 mod content;
@@ -13,22 +14,26 @@ mod error;
 mod facts;
 mod format;
 mod frame;
+mod heights;
 mod light;
 mod load;
 mod mesh;
 mod object;
 mod placement;
+mod random;
 mod receivers;
 mod scene;
 mod shipped;
 
 pub use assets::read_points_csv;
+pub use bodies::Bodies;
 pub use camera::Camera;
 pub use content::{Content, Revision};
 pub use error::SceneError;
 pub use facts::SceneFacts;
 pub use frame::{Frame, PosedLight, PosedObject};
 pub use halflight_trace::Sphere;
+pub use heights::HeightField;
 pub use light::{Environment, KeyLight, Light, Sky};
 pub use mesh::Mesh;
 pub use object::{Object, Pose, Shape};

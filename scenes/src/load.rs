@@ -1,5 +1,6 @@
 //! From a scene file to a scene.
 
+mod heights;
 mod lights;
 mod objects;
 mod receivers;
@@ -10,7 +11,7 @@ use crate::assets::Assets;
 use crate::check::Checker;
 use crate::content::Content;
 use crate::format::{CameraFile, FramesFile, SceneFile};
-use crate::{Camera, Placement, Scene, SceneError};
+use crate::{Bodies, Camera, Placement, Scene, SceneError};
 
 /// Most pixels along a side of a picture or grid, frames, and receivers over all frames: a plan holds every frame at once, about
 /// 80 bytes a receiver.
@@ -42,6 +43,8 @@ impl Scene {
         let mut notices = Vec::new();
         let objects = objects::load(check, &assets, &file.objects, &mut notices)?;
         let lights = lights::load(check, &assets, &file.lights)?;
+        let lit = !lights.is_empty() || objects.iter().any(crate::Object::emits);
+        check.ensure(lit, "lights", "at least one light, or an object with emission", lights.len())?;
         let camera = file.camera.as_ref().map(|camera| load_camera(check, camera)).transpose()?;
         let placement = receivers::load(check, &assets, &file.receivers, &objects, camera.as_ref())?;
         let (frame_count, fps) = load_frames(check, &file.frames)?;
@@ -56,6 +59,7 @@ impl Scene {
             frame_count,
             fps,
             notices,
+            bodies: Bodies::default(),
         };
         let receivers = scene.facts().receivers.saturating_mul(scene.frame_count);
         let bound = format!("at most {MOST_RECEIVERS} over all frames");

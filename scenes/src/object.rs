@@ -1,4 +1,4 @@
-//! Objects: a shape, its albedo, whether it casts shadows, and its rigid motion.
+//! Objects: a shape, its albedo, what it emits, whether it casts shadows, and its rigid motion.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 use halflight_trace::Geometry;
 
 use crate::content::Collector;
-use crate::{Content, Mesh, Revision, Rgb, Sphere};
+use crate::{Content, HeightField, Mesh, Revision, Rgb, Sphere};
 
 /// What an object is made of, in rest position (the scene file's transform applied).
 #[derive(Clone, Debug)]
@@ -16,6 +16,8 @@ pub enum Shape {
     Mesh(Mesh),
     /// Exact spheres.
     Spheres(Vec<Sphere>),
+    /// A grid of heights. It stands upright: poses move it but do not turn it, and a scene file that asks for that is refused.
+    Heights(HeightField),
 }
 
 impl Shape {
@@ -30,15 +32,18 @@ impl Shape {
                 let moved = |sphere: &Sphere| Sphere { center: pose.point(sphere.center), radius: sphere.radius };
                 Shape::Spheres(spheres.iter().map(moved).collect())
             }
+            Shape::Heights(field) => Shape::Heights(field.translated(pose.translation)),
         })
     }
 
     /// The shape as the tracer takes it.
     pub fn geometry(&self) -> Geometry<'_> {
-        match self {
-            Shape::Mesh(mesh) => Geometry::Triangles { positions: &mesh.positions, triangles: &mesh.triangles },
-            Shape::Spheres(spheres) => Geometry::Spheres(spheres),
-        }
+        let mesh = match self {
+            Shape::Spheres(spheres) => return Geometry::Spheres(spheres),
+            Shape::Mesh(mesh) => mesh,
+            Shape::Heights(field) => field.mesh(),
+        };
+        Geometry::Triangles { positions: &mesh.positions, triangles: &mesh.triangles }
     }
 
     /// Hash of the shape.
@@ -48,6 +53,7 @@ impl Shape {
             Shape::Spheres(spheres) => {
                 Collector::new("spheres").list(spheres, |all, sphere| all.vec3(sphere.center).float(sphere.radius))
             }
+            Shape::Heights(field) => field.collect(Collector::new("heights")),
         };
         content.finish()
     }
@@ -101,7 +107,11 @@ pub struct Object {
     pub content: Content,
     /// Diffuse albedo in `[0, 1]`.
     pub albedo: Rgb,
-    /// Whether it blocks light; a ground that only receives does not.
+    /// Radiance that leaves the front of its surface, the side of its geometric normals, in every direction. An object that
+    /// emits is an area light: a sphere a spherical one, a polygon a polygonal one.
+    pub emission: Rgb,
+    /// Whether it takes part in light transport: blocks light and, for indirect light, reflects it from both its sides. A
+    /// ground that only receives does not; a lamp that does not is seen by receivers but stands in nobody's way.
     pub casts: bool,
     /// Pose keys by time in seconds, sorted, on top of the rest position, rotating about [`Object::pivot`];
     /// empty means at rest.
@@ -123,9 +133,14 @@ impl Object {
         pose.about(self.pivot)
     }
 
-    /// The revision of the object under a pose: changes exactly when shape, albedo or pose does.
+    /// Whether it is an area light.
+    pub fn emits(&self) -> bool {
+        self.emission != Rgb::ZERO
+    }
+
+    /// The revision of the object under a pose: changes exactly when shape, albedo, emission or pose does.
     pub(crate) fn revision(&self, pose: Pose) -> Revision {
-        let posed = Collector::new("posed").content(self.content).vec3(self.albedo);
+        let posed = Collector::new("posed").content(self.content).vec3(self.albedo).vec3(self.emission);
         posed.quat(pose.rotation).vec3(pose.translation).finish().revision()
     }
 }
@@ -139,7 +154,16 @@ mod tests {
     fn object(motion: Vec<(f32, Pose)>, pivot: Vec3) -> Object {
         let shape = Shape::Spheres(vec![Sphere { center: pivot, radius: 1.0 }]);
         let content = shape.content();
-        Object { name: "ball".into(), shape: Arc::new(shape), content, albedo: Rgb::ONE, casts: true, motion, pivot }
+        Object {
+            name: "ball".into(),
+            shape: Arc::new(shape),
+            content,
+            albedo: Rgb::ONE,
+            emission: Rgb::ZERO,
+            casts: true,
+            motion,
+            pivot,
+        }
     }
 
     fn turn(degrees: f32, translation: Vec3) -> Pose {
@@ -168,13 +192,15 @@ mod tests {
     }
 
     #[test]
-    fn revision_follows_shape_albedo_and_pose_alone() {
+    fn revision_follows_shape_albedo_emission_and_pose_alone() {
         let ball = object(Vec::new(), Vec3::ZERO);
         let same = Object { name: "other".into(), ..ball.clone() };
         assert_eq!(ball.revision(Pose::IDENTITY), same.revision(Pose::IDENTITY));
         assert_ne!(ball.revision(Pose::IDENTITY), ball.revision(turn(0.0, Vec3::X)));
         let grey = Object { albedo: Rgb::splat(0.5), ..ball.clone() };
         assert_ne!(ball.revision(Pose::IDENTITY), grey.revision(Pose::IDENTITY));
+        let lamp = Object { emission: Rgb::X, ..ball.clone() };
+        assert_ne!(ball.revision(Pose::IDENTITY), lamp.revision(Pose::IDENTITY));
         assert_ne!(ball.content, object(Vec::new(), Vec3::X).content);
     }
 }

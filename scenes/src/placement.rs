@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::content::Collector;
 use crate::receivers::Receiver;
-use crate::{Camera, Layout, Mesh, Object, Place, Pose, Receivers, Rgb, Shape};
+use crate::{Camera, HeightField, Layout, Mesh, Object, Place, Pose, Receivers, Rgb, Shape};
 
 /// Receivers at the centres of the cells of a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +39,11 @@ pub enum Placement {
     Grid(Grid),
     /// Positions and unit normals, albedo 1.
     Points(Arc<Vec<(Vec3, Vec3)>>),
+    /// The vertices of a height field, as a picture with +y at the top.
+    Heights {
+        /// Its index.
+        object: usize,
+    },
 }
 
 impl Placement {
@@ -52,6 +57,7 @@ impl Placement {
                 sized.word(grid.object.map_or(0, |object| object + 1))
             }
             Placement::Points(points) => into.word(3).list(points, |all, (p, n)| all.vec3(*p).vec3(*n)),
+            Placement::Heights { object } => into.word(4).word(*object),
         }
     }
 }
@@ -96,6 +102,21 @@ pub(crate) fn vertices(object: usize, mesh: &Mesh, albedo: Rgb) -> Receivers {
     Receivers::gather(Layout::List, &used.into_iter().enumerate().map(receiver).collect::<Vec<_>>())
 }
 
+/// The vertices of a posed height field, the row of the largest y first.
+pub(crate) fn heights(object: usize, field: &HeightField, albedo: Rgb) -> Receivers {
+    let (width, height) = (field.columns(), field.rows());
+    let vertex = |pixel: usize| {
+        let (column, row) = (pixel % width, height - 1 - pixel / width);
+        let normal = field.normal(column, row);
+        let uv = Vec2::new(column as f32, row as f32);
+        let primitive = (row * width + column) as u32;
+        let place = Place { object: Some(object as u32), primitive, uv, ..Place::NOWHERE };
+        Some(Receiver { position: field.position(column, row), geometric_normal: normal, normal, albedo, place })
+    };
+    let vertices: Vec<_> = (0..width * height).map(vertex).collect();
+    Receivers::gather(Layout::Image { width, height }, &vertices)
+}
+
 /// What the camera's pixel centres see of the posed shapes.
 pub(crate) fn pixels<S: AsRef<Shape> + Sync>(
     camera: &Camera,
@@ -127,6 +148,7 @@ pub(crate) fn pixels<S: AsRef<Shape> + Sync>(
 fn surface(ray: &Ray, hit: &Hit, shape: &Shape, albedo: Rgb) -> Receiver {
     let (position, geometric_normal, normal, uv) = match shape {
         Shape::Mesh(mesh) => on_mesh(ray, hit, mesh),
+        Shape::Heights(field) => on_mesh(ray, hit, field.mesh()),
         Shape::Spheres(spheres) => {
             let sphere = spheres[hit.primitive as usize];
             let outward = (ray.origin + ray.direction * hit.t - sphere.center).normalize();

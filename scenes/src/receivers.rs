@@ -8,7 +8,7 @@ use crate::{Revision, Rgb};
 /// How receivers are laid out, for pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// Row-major image of camera pixels or of a plane grid; receiver `i` is pixel `(i % width, i / width)`.
+    /// Row-major image of camera pixels, of a plane grid or of a height field; receiver `i` is pixel `(i % width, i / width)`.
     Image {
         /// Pixels a row.
         width: usize,
@@ -28,7 +28,7 @@ pub struct Place {
     pub primitive: u32,
     /// Barycentric weights of the triangle's second and third corner.
     pub barycentrics: [f32; 2],
-    /// Texture or grid coordinates.
+    /// Texture or grid coordinates; on a height field `(i, j)` at vertex `(i, j)`.
     pub uv: Vec2,
 }
 

@@ -4,12 +4,12 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::Vec3;
-use halflight_trace::{Geometry, World};
+use halflight_trace::{Instance, World};
 
 use crate::content::Collector;
 use crate::{
-    Camera, Content, Frame, Light, Object, Placement, PosedLight, PosedObject, Receivers, Rgb, SceneFacts, Shape,
-    placement,
+    Bodies, Camera, Content, Frame, Light, Object, Placement, Pose, PosedLight, PosedObject, Receivers, Rgb,
+    SceneFacts, Shape, placement,
 };
 
 /// A loaded scene.
@@ -36,6 +36,8 @@ pub struct Scene {
     pub fps: f32,
     /// What loading had to repair, one line each.
     pub notices: Vec<String>,
+    /// What frames share for tracing; an empty one is filled as worlds are asked for.
+    pub bodies: Bodies,
 }
 
 /// Which objects a traced world holds.
@@ -53,6 +55,7 @@ impl Scene {
         let mut facts = SceneFacts {
             objects: self.objects.len(),
             casters: self.objects.iter().filter(|object| object.casts).count(),
+            emitters: self.objects.iter().filter(|object| object.emits()).count(),
             frames: self.frame_count,
             moving: self.objects.iter().any(|object| !object.motion.is_empty()),
             receivers: self.receiver_count(),
@@ -62,6 +65,10 @@ impl Scene {
             match &*object.shape {
                 Shape::Mesh(mesh) => facts.triangles += mesh.triangles.len(),
                 Shape::Spheres(spheres) => facts.spheres += spheres.len(),
+                Shape::Heights(field) => {
+                    facts.triangles += field.triangles();
+                    facts.height_fields += usize::from(object.casts);
+                }
             }
         }
         for light in &self.lights {
@@ -90,15 +97,16 @@ impl Scene {
         Frame { index, time, objects, lights, receivers }
     }
 
-    /// Radiance that arrives from all lights together along a unit direction, nothing in the way.
+    /// Radiance that arrives from all distant lights together along a unit direction, nothing in the way.
     pub fn radiance(&self, direction: Vec3) -> Rgb {
         self.lights.iter().map(|light| light.radiance(direction)).sum()
     }
 
     /// The objects at a frame, ready to be traced. The geometry index of a hit is the index of its object; objects
-    /// left out keep theirs.
+    /// left out keep theirs. Hierarchies over triangles and spheres are built for the first frame that needs them;
+    /// later ones get a new top level over what moves.
     pub fn world(&self, frame: &Frame, which: Which) -> World {
-        self.trace(&self.posed(&frame.objects), which)
+        self.trace(&frame.objects, which)
     }
 
     /// The same scene with receivers at given positions and unit normals, albedo 1.
@@ -110,7 +118,8 @@ impl Scene {
     pub(crate) fn compute_content(&self) -> Content {
         let all = Collector::new("scene").word(self.frame_count).float(self.fps);
         let all = all.list(&self.objects, |all, object| {
-            let all = all.content(object.content).vec3(object.albedo).word(object.casts.into()).vec3(object.pivot);
+            let all = all.content(object.content).vec3(object.albedo).vec3(object.emission);
+            let all = all.word(object.casts.into()).vec3(object.pivot);
             all.list(&object.motion, |all, (time, pose)| all.float(*time).quat(pose.rotation).vec3(pose.translation))
         });
         let all = all.list(&self.lights, |all, light| all.content(light.content()));
@@ -123,12 +132,17 @@ impl Scene {
         objects.iter().map(|posed| self.objects[posed.object].shape.posed(posed.pose)).collect()
     }
 
-    fn trace(&self, posed: &[Cow<'_, Shape>], which: Which) -> World {
-        let held = self.objects.iter().map(|object| which == Which::All || object.casts);
-        let shapes = posed.iter().zip(held);
-        let geometries: Vec<Geometry> =
-            shapes.map(|(shape, held)| if held { shape.geometry() } else { Geometry::Spheres(&[]) }).collect();
-        World::build(&geometries)
+    /// What never moves is one body, so that rays pay for two levels only where something does.
+    fn trace(&self, posed: &[PosedObject], which: Which) -> World {
+        let held = posed.iter().filter(|posed| which == Which::All || self.objects[posed.object].casts);
+        let (fixed, moving): (Vec<_>, Vec<_>) = held
+            .map(|posed| (posed.object as u32, &self.objects[posed.object], posed.pose))
+            .partition(|(_, object, pose)| object.motion.is_empty() && *pose == Pose::IDENTITY);
+        let fixed: Vec<_> = fixed.into_iter().map(|(index, object, _)| (index, object)).collect();
+        let instance = |(index, object, pose): (u32, &Object, Pose)| {
+            Instance::new(self.bodies.of(&[(0, object)]), pose.rotation, pose.translation, index)
+        };
+        World::new(self.bodies.of(&fixed), &moving.into_iter().map(instance).collect::<Vec<_>>())
     }
 
     fn receivers(&self, objects: &[PosedObject]) -> Receivers {
@@ -136,17 +150,21 @@ impl Scene {
             Placement::Camera => {
                 let camera = self.camera.as_ref().expect("a scene with camera receivers has a camera");
                 let posed = self.posed(objects);
-                placement::pixels(camera, &self.trace(&posed, Which::All), &self.objects, &posed)
+                placement::pixels(camera, &self.trace(objects, Which::All), &self.objects, &posed)
             }
             Placement::Vertices { object } => match &*self.objects[*object].shape {
                 Shape::Mesh(mesh) => {
                     placement::vertices(*object, &mesh.posed(objects[*object].pose), self.objects[*object].albedo)
                 }
-                Shape::Spheres(_) => unreachable!("vertex receivers lie on a mesh"),
+                _ => unreachable!("vertex receivers lie on a mesh"),
+            },
+            Placement::Heights { object } => match &*self.objects[*object].shape.posed(objects[*object].pose) {
+                Shape::Heights(field) => placement::heights(*object, field, self.objects[*object].albedo),
+                _ => unreachable!("receivers of a height field lie on one"),
             },
             Placement::Grid(grid) => match grid.object {
                 Some(object) => grid.receivers(self.objects[object].albedo, objects[object].pose),
-                None => grid.receivers(Rgb::ONE, crate::Pose::IDENTITY),
+                None => grid.receivers(Rgb::ONE, Pose::IDENTITY),
             },
             Placement::Points(points) => placement::points(points),
         }
@@ -157,7 +175,11 @@ impl Scene {
             Placement::Camera => self.camera.map_or(0, |camera| camera.width * camera.height),
             Placement::Vertices { object } => match &*self.objects[*object].shape {
                 Shape::Mesh(mesh) => mesh.positions.len(),
-                Shape::Spheres(_) => 0,
+                _ => 0,
+            },
+            Placement::Heights { object } => match &*self.objects[*object].shape {
+                Shape::Heights(field) => field.heights().len(),
+                _ => 0,
             },
             Placement::Grid(grid) => grid.resolution[0] * grid.resolution[1],
             Placement::Points(points) => points.len(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use halflight_scenes::{
-    Content, Environment, Grid, KeyLight, Light, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sky, Sphere,
+    Bodies, Content, Environment, Grid, KeyLight, Light, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sky, Sphere,
 };
 
 /// Every fixture of exact spheres. [`mesh_in_two_lights`] is left out: what methods derive from a mesh takes long, and
@@ -97,6 +97,7 @@ pub fn scene(name: &str, objects: Vec<Object>, lights: Vec<Light>, placement: Pl
         frame_count: 1,
         fps: 1.0,
         notices: Vec::new(),
+        bodies: Bodies::default(),
     }
 }
 
@@ -116,6 +117,7 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         content: shape.content(),
         shape: Arc::new(shape),
         albedo: Rgb::new(0.8, 0.6, 0.4),
+        emission: Rgb::ZERO,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,

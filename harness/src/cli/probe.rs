@@ -1,7 +1,8 @@
 //! `halflight probe`.
 
 use super::{CacheDir, Ending, say};
-use crate::probe::{Answers, Source, probe};
+use crate::plan::quantity;
+use crate::probe::{Answers, Question, Source, probe};
 use crate::settings::Setting;
 use clap::Args;
 use glam::Vec3;
@@ -29,13 +30,19 @@ pub(super) struct Probe {
     /// Samples of the reference at every point
     #[arg(long, value_name = "N", default_value_t = 4096)]
     samples: u32,
+    /// Which light: direct, indirect-N by up to N bounces, total
+    #[arg(long, default_value = "direct")]
+    quantity: String,
+    /// SH order in which to project the reference's visibility too
+    #[arg(long, value_name = "ORDER", conflicts_with = "method", value_parser = clap::value_parser!(u8).range(1..=8))]
+    visibility: Option<u8>,
     /// The frame
     #[arg(long, default_value_t = 0)]
     frame: usize,
     /// Seed of everything random
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Print a JSON array of {position, normal, radiance, standard_error?, visibility?} rather than CSV
+    /// Print a JSON array of {position, normal, radiance, standard_error?, visibility?, visibility_error?} rather than CSV
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -52,18 +59,22 @@ struct Row<'a> {
     standard_error: Option<[f32; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     visibility: Option<&'a [f32]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    visibility_error: Option<&'a [f32]>,
 }
 
 impl Probe {
     pub(super) fn act(&self) -> anyhow::Result<Ending> {
         let source = match (&self.method, &self.reference) {
             (Some(method), _) => Source::method(method, &self.set)?,
-            (None, Some(reference)) => Source::reference(reference, self.samples)?,
+            (None, Some(reference)) => Source::reference(reference, self.samples, self.visibility)?,
             (None, None) => anyhow::bail!("expected --method or --reference"),
         };
         let points = halflight_scenes::read_points_csv(&self.at)?;
         let scene = halflight_scenes::find(&self.scene)?.with_receivers(&points);
-        let answers = probe(&scene, self.frame, &source, self.seed, &self.cache.path()?)?;
+        let quantity = quantity(&self.quantity)?;
+        let question = Question { scene: &scene, frame: self.frame, quantity, seed: self.seed };
+        let answers = probe(&question, &source, &self.cache.path()?)?;
         let rows = rows(&points, &answers);
         if self.json {
             say(&serde_json::to_string_pretty(&rows)?)
@@ -81,6 +92,7 @@ fn rows<'a>(points: &[(Vec3, Vec3)], answers: &'a Answers) -> Vec<Row<'a>> {
         radiance: answers.radiance[i].to_array(),
         standard_error: answers.standard_error.as_ref().map(|all| all[i].to_array()),
         visibility: answers.visibility.as_ref().map(|all| all[i].as_slice()),
+        visibility_error: answers.visibility_error.as_ref().map(|all| all[i].as_slice()),
     };
     points.iter().enumerate().map(row).collect()
 }
@@ -93,9 +105,12 @@ fn csv(rows: &[Row<'_>]) -> Vec<String> {
     }
     let coefficients = rows.first().and_then(|row| row.visibility).map_or(0, <[f32]>::len);
     names.extend((0..coefficients).map(|i| format!("v{i}")));
+    let errors = rows.first().and_then(|row| row.visibility_error).map_or(0, <[f32]>::len);
+    names.extend((0..errors).map(|i| format!("se_v{i}")));
     let line = |row: &Row<'_>| {
         let numbers = row.position.iter().chain(&row.normal).chain(&row.radiance);
         let numbers = numbers.chain(row.standard_error.iter().flatten()).chain(row.visibility.into_iter().flatten());
+        let numbers = numbers.chain(row.visibility_error.into_iter().flatten());
         numbers.map(f32::to_string).collect::<Vec<_>>().join(",")
     };
     std::iter::once(names.join(",")).chain(rows.iter().map(line)).collect()

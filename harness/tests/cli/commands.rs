@@ -108,6 +108,15 @@ fn probe_asks_a_reference() {
     assert!((red - OPEN).abs() < 4.0 * error + 1e-4 && error < 0.01, "{red} ± {error}");
     assert!(rows[0].get("visibility").is_none());
     assert!(bench.well(command).starts_with("x,y,z,nx,ny,nz,r,g,b,se_r,se_g,se_b\n0,0,0,0,0,1,"));
+
+    let rows: Vec<Value> = serde_json::from_str(&bench.well(&format!("{command} --visibility 1 --json"))).unwrap();
+    let (seen, error) = (rows[0]["visibility"][0].as_f64().unwrap(), rows[0]["visibility_error"][0].as_f64().unwrap());
+    // The ball covers a circle of 30°.
+    let open = (4.0 * std::f64::consts::PI).sqrt() * 0.5 * (1.0 + 0.75f64.sqrt());
+    assert!((seen - open).abs() < 5.0 * error && error < 0.02, "{seen} ± {error} for {open}");
+    let total = bench.well(&format!("{command} --quantity total --json"));
+    let rows: Vec<Value> = serde_json::from_str(&total).unwrap();
+    assert!((rows[1]["radiance"][0].as_f64().unwrap() - OPEN).abs() < 0.01, "a ball far off adds little: {total}");
 }
 
 #[test]

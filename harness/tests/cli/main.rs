@@ -2,7 +2,16 @@
 
 mod bad_input;
 mod bench;
+mod budget;
 mod commands;
 mod export;
 mod failing;
+mod killed;
+mod refs;
+mod rescore;
 mod run;
+mod same;
+mod shared;
+mod spending;
+mod table;
+mod unchanged;

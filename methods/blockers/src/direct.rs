@@ -9,7 +9,7 @@ use halflight_contract::{
 };
 use halflight_light::{LightOf, ShLight};
 use halflight_proxies::{PosedSpheres, SphereSet, blockers, sphere_sets};
-use halflight_scenes::{Frame, Receivers, Rgb, Scene};
+use halflight_scenes::{Frame, Receivers, Rgb, Scene, SceneFacts};
 use halflight_sh::{apply_bands, coefficients, irradiance_weights, product, project_binary_bound, window};
 use rayon::prelude::*;
 
@@ -68,10 +68,20 @@ pub struct DirectLight<'s, A> {
     quantity: Quantity,
 }
 
-/// What sphere-blocker methods answer: direct light and visibility up to their own order.
-pub fn supports(request: &Request<'_>) -> Support {
+/// What sphere-blocker methods answer: direct distant light and visibility up to their own order, where spheres can stand for all
+/// that casts shadows. A height field is an open surface: spheres around it would bury the receivers on it.
+pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
     match request.quantity {
-        Quantity::Direct => Support::Exact,
+        _ if facts.height_fields > 0 => {
+            Support::Skip("spheres cannot stand for a height field that casts shadows".into())
+        }
+        Quantity::Direct if facts.emitters == 0 => Support::Exact,
+        Quantity::Direct if facts.distant_lights() == 0 => {
+            Support::Skip("all light comes from objects of the scene, none from afar".into())
+        }
+        Quantity::Direct => {
+            Support::Approximate(format!("leaves out the light of {} objects that emit", facts.emitters))
+        }
         Quantity::Visibility { order } if usize::from(order) <= request.params.int(params::ORDER.name) => {
             Support::Exact
         }
@@ -276,5 +286,21 @@ impl std::ops::Add for Work {
             squares: self.squares + other.squares,
             guarded: self.guarded + other.guarded,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use halflight_contract::Backend;
+
+    use super::*;
+
+    #[test]
+    fn height_fields_that_cast_are_left_to_others() {
+        let params = Params::default();
+        let request = Request { quantity: Quantity::Direct, backend: Backend::Cpu, params: &params };
+        let answer = |height_fields| supports(&SceneFacts { height_fields, ..SceneFacts::default() }, &request);
+        assert!(matches!(answer(1), Support::Skip(why) if why.contains("height field")));
+        assert!(matches!(answer(0), Support::Exact));
     }
 }

@@ -149,7 +149,7 @@ mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
     use std::time::Duration;
 
-    use halflight_scenes::Placement;
+    use halflight_scenes::{Bodies, Placement};
 
     use super::*;
     use crate::{Backend, Error, Flow, NoMeter, Params};
@@ -166,6 +166,7 @@ mod tests {
             frame_count: 1,
             fps: 1.0,
             notices: Vec::new(),
+            bodies: Bodies::default(),
         }
     }
 

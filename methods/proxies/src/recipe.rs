@@ -46,6 +46,10 @@ impl Derived for SpheresOf {
                 let mut progress = |done, total| meter.progress("sphere set", done, total) == Flow::Continue;
                 sphere_set(mesh, self.count, &mut progress).ok_or(Error::Cancelled)
             }
+            Shape::Heights(_) => {
+                let name = &object.name;
+                Err(Error::Input(format!("sphere set of {name}: expected a mesh or spheres, found a height field")))
+            }
         }
     }
 

@@ -5,10 +5,10 @@ mod shapes;
 
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use halflight_contract::{Backend, Cache, Derived, Error, Flow, Job, Meter, NoMeter, Params};
 use halflight_proxies::{MAX_COUNT, SphereSet, SpheresOf, blockers, sphere_sets};
-use halflight_scenes::{Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sphere};
+use halflight_scenes::{Bodies, HeightField, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sphere};
 use shapes::{icosphere, square, torus};
 
 const COUNT: usize = 6;
@@ -20,6 +20,7 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         shape: Arc::new(shape),
         content,
         albedo: Rgb::ONE,
+        emission: Rgb::ZERO,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,
@@ -44,6 +45,7 @@ fn scene() -> Scene {
         frame_count: 2,
         fps: 1.0,
         notices: Vec::new(),
+        bodies: Bodies::default(),
     }
 }
 
@@ -168,6 +170,16 @@ fn impossible_recipes_say_what_they_expected() {
         let error = job.derive(&SpheresOf { object, count }, &mut NoMeter).expect_err("not possible").to_string();
         assert!(error.contains(expected), "{error}");
     }
+}
+
+#[test]
+fn a_height_field_has_none() {
+    let mut scene = scene();
+    let field = HeightField::new([2, 2], Vec2::ZERO, Vec2::ONE, vec![0.0; 4]);
+    scene.objects[0].shape = Arc::new(Shape::Heights(field));
+    scene.objects[0].content = scene.objects[0].shape.content();
+    let error = derive(&scene, &Cache::in_memory(), &mut NoMeter).expect_err("an open surface").to_string();
+    assert!(error.contains("sphere set of torus: expected a mesh or spheres, found a height field"), "{error}");
 }
 
 #[test]

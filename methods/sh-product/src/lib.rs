@@ -34,8 +34,8 @@ impl Method for Ordered {
         &ORDERED
     }
 
-    fn supports(&self, _: &SceneFacts, request: &Request<'_>) -> Support {
-        supports(request)
+    fn supports(&self, facts: &SceneFacts, request: &Request<'_>) -> Support {
+        supports(facts, request)
     }
 
     fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {

@@ -28,3 +28,40 @@ impl CosineLobe {
         cosine.max(0.0) * FRAC_1_PI
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::sampling::chi_squared::{Family, draws, polar_bin, ring_shares};
+
+    #[test]
+    fn density_is_in_proportion_to_the_cosine() {
+        let (mut honest, mut planted) = (Family::default(), Family::default());
+        for normal in [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::new(-0.3, 0.8, 0.2), Vec3::new(1e-4, 2e-5, -1.0)] {
+            let normal = normal.normalize();
+            let lobe = CosineLobe::new(normal);
+            let axis = normal.as_dvec3();
+            // Within an angle θ lies sin² θ of the lobe.
+            let bin = |direction: DVec3| polar_bin(axis.cross(direction).length_squared(), direction, axis);
+            let name = format!("{normal}");
+            honest.add(&name, &ring_shares(), draws(9).map(|point| bin(lobe.direction(point).as_dvec3())));
+            // 1/2π: uniform over the hemisphere.
+            let uniform = |[u, v]: [f32; 2]| lobe.direction([u * (2.0 - u), v]);
+            planted.add(&name, &ring_shares(), draws(9).map(|point| bin(uniform(point).as_dvec3())));
+            assert!(draws(9).take(10_000).all(|point| lobe.direction(point).dot(normal) >= 0.0));
+        }
+        honest.assert_holds();
+        planted.assert_fails_everywhere();
+    }
+
+    #[test]
+    fn density_integrates_to_one() {
+        let steps = 2000;
+        let cosine = |i: i32| (f64::from(i) + 0.5) / f64::from(steps) * 2.0 - 1.0;
+        let sum: f64 = (0..steps).map(|i| f64::from(CosineLobe::density(cosine(i) as f32))).sum();
+        let integral = sum * 2.0 / f64::from(steps) * std::f64::consts::TAU;
+        assert!((integral - 1.0).abs() < 1e-6, "{integral}");
+    }
+}

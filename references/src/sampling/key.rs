@@ -1,35 +1,26 @@
 //! Circular key lights.
 
-use std::f32::consts::{PI, TAU};
-
 use glam::Vec3;
 use halflight_scenes::KeyLight;
 
+use super::cone::Cone;
 use super::luminance;
 
 /// Uniform directions within a key light's circle.
-///
-/// Sizes are kept as the squared chord `4 sin²(α/2)` between the centre and the rim: `1 − cos α` of a sun has lost most of its
-/// digits in `f32`.
 #[derive(Clone, Debug)]
 pub(crate) struct KeySampler {
     pub(crate) light: KeyLight,
-    tangents: (Vec3, Vec3),
-    squared_chord: f32,
+    cone: Cone,
 }
 
 impl KeySampler {
     pub(crate) fn new(light: &KeyLight) -> Self {
-        KeySampler {
-            light: *light,
-            tangents: light.direction.any_orthonormal_pair(),
-            squared_chord: (2.0 * (0.5 * f64::from(light.angular_radius)).sin()).powi(2) as f32,
-        }
+        let squared_chord = (2.0 * (0.5 * f64::from(light.angular_radius)).sin()).powi(2);
+        KeySampler { light: *light, cone: Cone::new(light.direction, squared_chord) }
     }
 
-    /// `2π(1 − cos α) = π·chord²`.
     pub(crate) fn solid_angle(&self) -> f32 {
-        PI * self.squared_chord
+        self.cone.solid_angle()
     }
 
     /// `∫ luminance dω`.
@@ -42,26 +33,30 @@ impl KeySampler {
         f64::from(self.light.radiance.element_sum()) / 3.0 * f64::from(self.solid_angle())
     }
 
-    pub(crate) fn direction(&self, [u, v]: [f32; 2]) -> Vec3 {
-        // At height 1 − h over the circle's pole, h uniform: sin² = h(2 − h).
-        let h = 0.5 * u * self.squared_chord;
-        let sin_polar = (h * (2.0 - h)).max(0.0).sqrt();
-        let (sin, cos) = (TAU * v).sin_cos();
-        let (tangent, bitangent) = self.tangents;
-        ((1.0 - h) * self.light.direction + sin_polar * (cos * tangent + sin * bitangent)).normalize()
+    pub(crate) fn direction(&self, point: [f32; 2]) -> Vec3 {
+        self.cone.direction(point)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::FRAC_PI_2;
+
     use super::*;
     use crate::sampling::Sobol;
+    use crate::sampling::chi_squared::{Family, draws, ring_and_sector, ring_shares};
+
+    const SIZES: [f32; 4] = [0.004_65, 0.1, 1.0, FRAC_PI_2];
+
+    fn sampler(angular_radius: f32) -> KeySampler {
+        let direction = Vec3::new(0.6, -0.3, 0.5).normalize();
+        KeySampler::new(&KeyLight { direction, angular_radius, radiance: Vec3::ONE })
+    }
 
     #[test]
-    fn directions_fill_the_circle_uniformly() {
-        for angular_radius in [0.004_65f32, 0.1, 1.0, std::f32::consts::FRAC_PI_2] {
-            let direction = Vec3::new(0.6, -0.3, 0.5).normalize();
-            let sampler = KeySampler::new(&KeyLight { direction, angular_radius, radiance: Vec3::ONE });
+    fn directions_are_inside_and_well_spread() {
+        for angular_radius in SIZES {
+            let sampler = sampler(angular_radius);
             let exact = std::f64::consts::TAU * 2.0 * (0.5 * f64::from(angular_radius)).sin().powi(2);
             assert!((f64::from(sampler.solid_angle()) / exact - 1.0).abs() < 1e-6);
             let sobol = Sobol::new(3);
@@ -69,8 +64,24 @@ mod tests {
             let inside = all.iter().filter(|d| sampler.light.contains(**d)).count();
             assert!(inside >= 1022, "{inside} of 1024 inside {angular_radius}");
             // Within the circle of half the height lies half the area.
-            let half = all.iter().filter(|d| d.distance_squared(direction) < 0.5 * sampler.squared_chord).count();
-            assert!((510..=514).contains(&half), "{half} of 1024 in the inner half of {angular_radius}");
+            let half = 2.0 * (0.5 * angular_radius).sin().powi(2);
+            let inner = all.iter().filter(|d| d.distance_squared(sampler.light.direction) < half).count();
+            assert!((510..=514).contains(&inner), "{inner} of 1024 in the inner half of {angular_radius}");
         }
+    }
+
+    #[test]
+    fn density_is_that_of_the_solid_angle() {
+        let (mut honest, mut planted) = (Family::default(), Family::default());
+        for angular_radius in SIZES {
+            let sampler = sampler(angular_radius);
+            let height = f64::from(sampler.solid_angle()) / std::f64::consts::TAU;
+            let bin = |d: Vec3| ring_and_sector(d, sampler.light.direction.as_dvec3(), height);
+            let name = format!("radius {angular_radius}");
+            honest.add(&name, &ring_shares(), draws(1).map(|point| bin(sampler.direction(point))));
+            planted.add(&name, &ring_shares(), draws(2).map(|[u, v]| bin(sampler.direction([u.powf(1.04), v]))));
+        }
+        honest.assert_holds();
+        planted.assert_fails_everywhere();
     }
 }

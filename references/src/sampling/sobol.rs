@@ -6,12 +6,19 @@ use super::mix;
 /// `2^-k` once; each point is uniform in the unit square; replicates of different seeds are independent.
 pub(crate) struct Sobol {
     seeds: [u32; 2],
+    order: u32,
 }
 
 impl Sobol {
     pub(crate) fn new(seed: u64) -> Self {
         let bits = mix(seed, 0);
-        Sobol { seeds: [bits as u32, (bits >> 32) as u32] }
+        Sobol { seeds: [bits as u32, (bits >> 32) as u32], order: mix(seed, 1) as u32 }
+    }
+
+    /// The points in another order, in which every aligned `2^k` of them still are well spread: for further dimensions of samples
+    /// that have used `index` before.
+    pub(crate) fn shuffled(&self, index: u32) -> [f32; 2] {
+        self.point(scramble_reversed(index.reverse_bits(), self.order).reverse_bits())
     }
 
     /// Point `index`, strictly inside the unit square.
@@ -72,6 +79,23 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn shuffled_points_are_as_well_spread_and_owe_nothing_to_the_index() {
+        let sobol = Sobol::new(3);
+        let mut cells: Vec<_> =
+            (0..256).map(|i| sobol.shuffled(i).map(|x| (x * 16.0) as u32)).map(|[x, y]| 16 * x + y).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        assert_eq!(cells.len(), 256);
+        // Against the plain points of another seed: correlation over many pairs.
+        let products = (0..4000u64).map(|seed| {
+            let (a, b) = (Sobol::new(mix(1, seed)), Sobol::new(mix(2, seed)));
+            (0..4).map(|i| f64::from((a.point(i)[0] - 0.5) * (b.shuffled(i)[0] - 0.5))).sum::<f64>()
+        });
+        let (sum, squares) = products.fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
+        assert!(sum.abs() < 4.0 * squares.sqrt(), "{sum} for {}", squares.sqrt());
     }
 
     #[test]

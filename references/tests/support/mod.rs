@@ -4,10 +4,10 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
-use halflight_contract::{Cache, NoMeter};
-use halflight_references::{Estimate, Quality, Reference, estimate};
+use halflight_contract::{Cache, NoMeter, Quantity};
+use halflight_references::{Error, Estimate, Quality, Reference, Request, estimate};
 use halflight_scenes::{
-    Content, Environment, KeyLight, Light, Mesh, Object, Placement, Rgb, Scene, Shape, Sky, Sphere,
+    Bodies, Content, Environment, KeyLight, Light, Mesh, Object, Placement, Rgb, Scene, Shape, Sky, Sphere,
 };
 
 pub(crate) fn scene(objects: Vec<Object>, lights: Vec<Light>, points: &[(Vec3, Vec3)]) -> Scene {
@@ -22,6 +22,7 @@ pub(crate) fn scene(objects: Vec<Object>, lights: Vec<Light>, points: &[(Vec3, V
         frame_count: 1,
         fps: 1.0,
         notices: Vec::new(),
+        bodies: Bodies::default(),
     }
 }
 
@@ -32,6 +33,7 @@ pub(crate) fn object(shape: Shape) -> Object {
         shape: Arc::new(shape),
         content,
         albedo: Rgb::ONE,
+        emission: Rgb::ZERO,
         casts: true,
         motion: Vec::new(),
         pivot: Vec3::ZERO,
@@ -109,7 +111,19 @@ pub(crate) fn normals(count: usize) -> Vec<Vec3> {
         .collect()
 }
 
+/// A reference of direct light.
 pub(crate) fn run(reference: &str, scene: &Scene, quality: &Quality, seed: u64) -> Estimate {
-    let reference = Reference::parse(reference).expect("a reference");
-    estimate(&reference, scene, &scene.frame(0), quality, seed, &Cache::in_memory(), &mut NoMeter).expect("an estimate")
+    run_of(Quantity::Direct, reference, scene, quality, seed).expect("an estimate")
+}
+
+pub(crate) fn run_of(
+    quantity: Quantity,
+    reference: &str,
+    scene: &Scene,
+    quality: &Quality,
+    seed: u64,
+) -> Result<Estimate, Error> {
+    let reference = &Reference::parse(reference).expect("a reference");
+    let request = Request { reference, quantity, scene, frame: &scene.frame(0), quality, seed };
+    estimate(&request, &Cache::in_memory(), &mut NoMeter)
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::traced_ray::TracedRay;
-use crate::wide::{ALL_LANES, Found, Kernel, LANES, Packet};
+use crate::wide::{ALL_LANES, Found, Kernel, LANES, Packet, is_within_reach};
 
 /// A sphere in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,8 +16,7 @@ pub struct Sphere {
 
 impl Sphere {
     pub(crate) fn is_proper(&self) -> bool {
-        let [low, high] = SpherePacket::bounds(self);
-        self.radius > 0.0 && low.is_finite() && high.is_finite()
+        self.radius > 0.0 && is_within_reach(SpherePacket::bounds(self))
     }
 }
 
@@ -26,6 +25,8 @@ pub(crate) struct SpherePacket([Sphere; LANES]);
 
 impl Packet for SpherePacket {
     type Primitive = Sphere;
+    type Detail = ();
+    type Scratch = ();
 
     fn bounds(sphere: &Sphere) -> [Vec3; 2] {
         [sphere.center - sphere.radius, sphere.center + sphere.radius]
@@ -43,7 +44,7 @@ impl Packet for SpherePacket {
     /// In `f64`, with the discriminant from the distance between centre and ray and the roots from `q`, so that
     /// neither a far nor a huge sphere cancels (Haines et al. 2019, "Precision improvements for ray/sphere
     /// intersection"). A ray that only touches the sphere misses it.
-    fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32) -> Option<Found> {
+    fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32, (): &mut ()) -> Option<Found<()>> {
         let Sphere { center, radius } = self.0[lane];
         let direction = ray.direction.as_dvec3();
         let radius = f64::from(radius);
@@ -60,6 +61,6 @@ impl Packet for SpherePacket {
         let roots = [(c / q) as f32, (q / a) as f32];
         let (near, far) = if roots[0] < roots[1] { (roots[0], roots[1]) } else { (roots[1], roots[0]) };
         let inside = |t: &f32| *t > ray.t_min && *t < t_max;
-        [near, far].into_iter().find(inside).map(|t| Found { t, barycentrics: [0.0; 2] })
+        [near, far].into_iter().find(inside).map(|t| Found { t, detail: () })
     }
 }

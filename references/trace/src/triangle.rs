@@ -3,17 +3,17 @@
 use glam::{DVec3, Vec3};
 
 use crate::traced_ray::TracedRay;
-use crate::wide::{Found, Kernel, LANES, Packet};
+use crate::wide::{Found, Kernel, LANES, Packet, is_within_reach};
 
 #[derive(Clone, Copy)]
 pub(crate) struct Triangle(pub(crate) [Vec3; 3]);
 
 impl Triangle {
-    /// Whether it is finite and spans an area; anything else can neither be hit nor be given to the builder.
+    /// Whether it is finite, within reach and spans an area; anything else can neither be hit nor be given to the builder.
     pub(crate) fn is_proper(&self) -> bool {
         let [a, b, c] = self.0.map(Vec3::as_dvec3);
         let normal: DVec3 = (b - a).cross(c - a);
-        normal.is_finite() && normal != DVec3::ZERO
+        is_within_reach(TrianglePacket::bounds(self)) && self.0.iter().all(|p| p.is_finite()) && normal != DVec3::ZERO
     }
 }
 
@@ -27,6 +27,9 @@ pub(crate) struct TrianglePacket {
 
 impl Packet for TrianglePacket {
     type Primitive = Triangle;
+    /// Barycentric weights of the second and third corner.
+    type Detail = [f32; 2];
+    type Scratch = ();
 
     fn bounds(triangle: &Triangle) -> [Vec3; 2] {
         let [a, b, c] = triangle.0;
@@ -48,7 +51,7 @@ impl Packet for TrianglePacket {
     /// The edge functions are taken in `f64`, where products of two `f32` are exact and the sign of their difference
     /// too: triangles that share an edge agree on which side of it a ray passes, and none is missed by both.
     #[inline(always)]
-    fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32) -> Option<Found> {
+    fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32, (): &mut ()) -> Option<Found<[f32; 2]>> {
         let [x, y, z] = ray.axes;
         let sheared = |corner: &[[f32; LANES]; 3]| {
             ray.shear([corner[x as usize][lane], corner[y as usize][lane], corner[z as usize][lane]])
@@ -63,6 +66,6 @@ impl Packet for TrianglePacket {
         let sum = u + v + w;
         let t = ((u * a[2] + v * b[2] + w * c[2]) / sum) as f32;
         // Seen edge-on `sum` is 0 and `t` not a number: the comparison fails.
-        (t > ray.t_min && t < t_max).then(|| Found { t, barycentrics: [(v / sum) as f32, (w / sum) as f32] })
+        (t > ray.t_min && t < t_max).then(|| Found { t, detail: [(v / sum) as f32, (w / sum) as f32] })
     }
 }

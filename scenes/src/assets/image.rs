@@ -65,7 +65,7 @@ pub(super) fn read_hdr(check: Checker, bytes: &[u8]) -> Result<Image, SceneError
     checked(check, Image { width: width as usize, height: height as usize, texels })
 }
 
-fn check_size(check: Checker, width: usize, height: usize) -> Result<(), SceneError> {
+pub(super) fn check_size(check: Checker, width: usize, height: usize) -> Result<(), SceneError> {
     let texels = width.checked_mul(height).filter(|texels| (1..=MOST_TEXELS).contains(texels));
     let expected = format!("a picture of 1 to {MOST_TEXELS} texels");
     texels.map(drop).ok_or_else(|| check.invalid("size", expected, [width, height]))

@@ -8,7 +8,6 @@ use crate::format::{EnvironmentFile, KeyLightFile, LightFile, SkyFile};
 use crate::{Environment, KeyLight, Light, Rgb, SceneError, Sky};
 
 pub(super) fn load(check: Checker, assets: &Assets, files: &[LightFile]) -> Result<Vec<Light>, SceneError> {
-    check.ensure(!files.is_empty(), "lights", "at least one light", files.len())?;
     files.iter().enumerate().map(|(index, file)| light(check, assets, &format!("lights[{index}]"), file)).collect()
 }
 

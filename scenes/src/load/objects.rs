@@ -7,6 +7,7 @@ use glam::{Quat, Vec2, Vec3};
 use crate::assets::Assets;
 use crate::check::{Checker, FAR};
 use crate::format::{KeyFile, MeshFile, ObjectFile, RandomSpheresFile, Up};
+use crate::random::SplitMix;
 use crate::{Mesh, Object, Pose, SceneError, Shape, Sphere, mesh};
 
 const MOST_SPHERES: usize = 1 << 20;
@@ -59,12 +60,17 @@ fn object(
     let shape = match shape(check, assets, field, file, notices)? {
         Shape::Mesh(mesh) => Shape::Mesh(rest_mesh(check, field, mesh, &rest)?),
         Shape::Spheres(spheres) => Shape::Spheres(rest_spheres(check, field, &spheres, &rest)?),
+        Shape::Heights(heights) => {
+            super::heights::upright(check, field, file)?;
+            Shape::Heights(super::heights::at_rest(check, field, &heights, rest.scale, rest.translation)?)
+        }
     };
     Ok(Object {
         name: file.name.clone(),
         content: shape.content(),
         shape: Arc::new(shape),
         albedo: check.albedo(&format!("{field}.albedo"), file.albedo)?,
+        emission: check.radiance(&format!("{field}.emission"), file.emission)?,
         casts: file.casts,
         motion: motion(check, field, &file.motion)?,
         pivot: rest.translation,
@@ -78,27 +84,33 @@ fn shape(
     file: &ObjectFile,
     notices: &mut Vec<String>,
 ) -> Result<Shape, SceneError> {
-    match (&file.mesh, &file.sphere, &file.random_spheres, &file.plane) {
-        (Some(mesh), None, None, None) => read_mesh(assets, &format!("{field}.mesh"), mesh, notices).map(Shape::Mesh),
-        (None, Some(sphere), None, None) => {
+    match (&file.mesh, &file.sphere, &file.random_spheres, &file.plane, &file.heights) {
+        (Some(mesh), None, None, None, None) => {
+            read_mesh(assets, &format!("{field}.mesh"), mesh, notices).map(Shape::Mesh)
+        }
+        (None, Some(sphere), None, None, None) => {
             let center = check.point(&format!("{field}.sphere.center"), sphere.center)?;
             let radius = check.positive(&format!("{field}.sphere.radius"), sphere.radius)?;
             Ok(Shape::Spheres(vec![Sphere { center, radius }]))
         }
-        (None, None, Some(spheres), None) => {
+        (None, None, Some(spheres), None, None) => {
             random_spheres(check, &format!("{field}.random_spheres"), spheres).map(Shape::Spheres)
         }
-        (None, None, None, Some(plane)) => {
+        (None, None, None, Some(plane), None) => {
             let size = plane.size.map(|side| check.positive(&format!("{field}.plane.size"), side));
             let [width, height] = size;
             Ok(Shape::Mesh(mesh::plane(Vec2::new(width?, height?))))
         }
-        (mesh, sphere, spheres, plane) => {
+        (None, None, None, None, Some(heights)) => {
+            super::heights::load(check, assets, &format!("{field}.heights"), heights).map(Shape::Heights)
+        }
+        (mesh, sphere, spheres, plane, heights) => {
             let given = [
                 ("mesh", mesh.is_some()),
                 ("sphere", sphere.is_some()),
                 ("random_spheres", spheres.is_some()),
                 ("plane", plane.is_some()),
+                ("heights", heights.is_some()),
             ];
             Err(check.not_one(field, &given))
         }
@@ -164,20 +176,6 @@ fn random_spheres(check: Checker, field: &str, file: &RandomSpheresFile) -> Resu
     Ok((0..file.count).map(sphere).collect())
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014): the same numbers everywhere and for ever, as scenes need.
-struct SplitMix(u64);
-
-impl SplitMix {
-    /// Uniform in `[0, 1)`.
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u32 << 24) as f32
-    }
-}
-
 fn motion(check: Checker, field: &str, keys: &[KeyFile]) -> Result<Vec<(f32, Pose)>, SceneError> {
     let mut motion: Vec<(f32, Pose)> = Vec::new();
     for (index, key) in keys.iter().enumerate() {
@@ -191,15 +189,4 @@ fn motion(check: Checker, field: &str, keys: &[KeyFile]) -> Result<Vec<(f32, Pos
         motion.push((time, Pose { rotation: rotation.unwrap_or(Quat::IDENTITY), translation }));
     }
     Ok(motion)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_generator_gives_the_published_sequence() {
-        // First output of SplitMix64 for seed 1234567 (Vigna's reference code): 6457827717110365317.
-        assert_eq!(SplitMix(1_234_567).unit(), (6_457_827_717_110_365_317u64 >> 40) as f32 / (1u32 << 24) as f32);
-    }
 }

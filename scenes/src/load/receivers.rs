@@ -18,23 +18,25 @@ pub(super) fn load(
     objects: &[Object],
     camera: Option<&Camera>,
 ) -> Result<Placement, SceneError> {
-    match (&file.camera, &file.vertices, &file.grid, &file.points) {
-        (Some(_), None, None, None) => match camera {
+    match (&file.camera, &file.vertices, &file.grid, &file.points, &file.heights) {
+        (Some(_), None, None, None, None) => match camera {
             Some(_) => Ok(Placement::Camera),
             None => Err(check.invalid("receivers.camera", "a [camera] in the scene", "none")),
         },
-        (None, Some(file), None, None) => vertices(check, &file.object, objects),
-        (None, None, Some(file), None) => grid(check, file, objects),
-        (None, None, None, Some(file)) => {
+        (None, Some(file), None, None, None) => vertices(check, &file.object, objects),
+        (None, None, Some(file), None, None) => grid(check, file, objects),
+        (None, None, None, Some(file), None) => {
             let asset = assets.read("receivers.points", &file.file, file.sha256.as_deref())?;
             Ok(Placement::Points(Arc::new(asset.points()?)))
         }
-        (camera, vertices, grid, points) => {
+        (None, None, None, None, Some(file)) => heights(check, &file.object, objects),
+        (camera, vertices, grid, points, heights) => {
             let given = [
                 ("camera", camera.is_some()),
                 ("vertices", vertices.is_some()),
                 ("grid", grid.is_some()),
                 ("points", points.is_some()),
+                ("heights", heights.is_some()),
             ];
             Err(check.not_one("receivers", &given))
         }
@@ -46,7 +48,16 @@ fn vertices(check: Checker, name: &str, objects: &[Object]) -> Result<Placement,
     let object = find(check, field, name, objects)?;
     match &*objects[object].shape {
         Shape::Mesh(_) => Ok(Placement::Vertices { object }),
-        Shape::Spheres(_) => Err(check.invalid(field, "an object with a mesh", name)),
+        _ => Err(check.invalid(field, "an object with a mesh", name)),
+    }
+}
+
+fn heights(check: Checker, name: &str, objects: &[Object]) -> Result<Placement, SceneError> {
+    let field = "receivers.heights.object";
+    let object = find(check, field, name, objects)?;
+    match &*objects[object].shape {
+        Shape::Heights(_) => Ok(Placement::Heights { object }),
+        _ => Err(check.invalid(field, "an object with heights", name)),
     }
 }
 

@@ -53,7 +53,7 @@ fn values_out_of_range() {
         ("albedo = [0.9, 0.2, 0.2]", "albedo = [nan, 0.2, 0.2]", "objects[1].albedo: ", "[0, 1]"),
         ("name = \"ball\"", "name = \"cube\"", "objects[2].name: ", "no other object"),
         ("name = \"ball\"", "name = \"\"", "objects[2].name: ", "expected a name"),
-        (BALL, "", "objects[2]: ", "exactly one of mesh, sphere, random_spheres, plane, found []"),
+        (BALL, "", "objects[2]: ", "exactly one of mesh, sphere, random_spheres, plane, heights, found []"),
         (
             BALL,
             "sphere = { center = [1.5, 0.0, 1.0], radius = 1.0 }\nplane = { size = [1.0, 1.0] }",
@@ -119,12 +119,12 @@ fn fields_unknown_missing_or_of_the_wrong_type() {
         ("purpose = \"A cube and a sphere over a ground\"", "", "", "missing field `purpose`"),
         ("albedo = [0.9, 0.2, 0.2]", "", "", "missing field `albedo`"),
         ("[receivers]\ncamera = {}", "", "", "missing field `receivers`"),
-        ("camera = {}", "", "receivers: expected exactly one of camera, vertices, grid, points, found []", ""),
+        ("camera = {}", "", "receivers: expected exactly one of camera, vertices, grid, points, heights, found []", ""),
         (
             "camera = {}",
             "camera = {}\nvertices = { object = \"cube\" }",
             "receivers: ",
-            "expected exactly one of camera, vertices, grid, points, found [\"camera\", \"vertices\"]",
+            "expected exactly one of camera, vertices, grid, points, heights, found [\"camera\", \"vertices\"]",
         ),
         ("uniform = [1.0, 1.0, 1.0]", "", "lights[0].sky: ", "expected exactly one of uniform, overcast, found []"),
         ("key =", "sky = {}\nkey =", "lights[1]: ", "expected exactly one of environment, sky, key"),
@@ -156,7 +156,11 @@ fn empty_scenes() {
     let error = complaint(&folder, &format!("{head}{light}"), "scene.toml");
     assert!(error.contains("objects: expected at least one object"), "{error}");
     let error = complaint(&folder, &format!("{head}{object}"), "scene.toml");
-    assert!(error.contains("lights: expected at least one light"), "{error}");
+    assert!(error.contains("lights: expected at least one light, or an object with emission"), "{error}");
+    let lamp = object.replace("albedo", "emission = [2.0, 1.0, 0.0]\nalbedo");
+    assert_eq!(folder.load(&format!("{head}{lamp}")).map(|scene| scene.facts().emitters).ok(), Some(1));
+    let error = complaint(&folder, &format!("{head}{}", lamp.replace("2.0", "-2.0")), "scene.toml");
+    assert!(error.contains("objects[0].emission"), "{error}");
     let error = complaint(&folder, "", "scene.toml");
     assert!(error.contains("missing field"), "{error}");
 }

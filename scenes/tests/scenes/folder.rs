@@ -100,7 +100,7 @@ impl Folder {
         let scene = self.load_with(&[(r#"{ file = "cube.ply" }"#, &format!(r#"{{ file = "{file}"{options} }}"#))])?;
         match &*scene.objects[1].shape {
             Shape::Mesh(mesh) => Ok(mesh.clone()),
-            Shape::Spheres(_) => panic!("the second object is a mesh"),
+            _ => panic!("the second object is a mesh"),
         }
     }
 }

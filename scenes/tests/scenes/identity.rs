@@ -35,6 +35,7 @@ fn content_follows_everything_that_decides_the_picture() {
         ),
         ("albedo = [0.9, 0.2, 0.2]", "albedo = [0.9, 0.2, 0.3]"),
         ("casts = false", "casts = true"),
+        ("casts = false", "casts = false\nemission = [0.1, 0.0, 0.0]"),
         ("translate = [-1.5, 0.0, 1.0]", "translate = [-1.5, 0.0, 1.01]"),
         ("radius = 1.0", "radius = 0.9"),
         ("radius = 1.0 }", "radius = 1.0 }\nmotion = [{ time = 0.0, translate = [0.0, 0.0, 1.0] }]"),

@@ -3,6 +3,7 @@
 mod bad_input;
 mod folder;
 mod formats;
+mod heights;
 mod identity;
 mod lights;
 mod mutations;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
 use halflight_scenes::{
     Content, Environment, Frame, KeyLight, Layout, Light, Mesh, Object, Receivers, Revision, Rgb, Scene, Shape, Sky,
     Sphere,
@@ -47,6 +48,7 @@ fn grown(object: &Object) -> Object {
         Shape::Spheres(spheres) => {
             Shape::Spheres(spheres.iter().map(|s| Sphere { radius: 0.75 * s.radius, ..*s }).collect())
         }
+        Shape::Heights(field) => Shape::Heights(field.translated(Vec3::Z)),
     };
     Object { content: shape.content(), shape: Arc::new(shape), ..object.clone() }
 }
@@ -78,9 +80,9 @@ pub(super) fn with_receivers(frame: &Frame, order: &[usize]) -> Frame {
 pub(super) fn with_holes(frame: &Frame, step: usize) -> Frame {
     let mut receivers = (*frame.receivers).clone();
     for i in (0..receivers.len()).step_by(step) {
-        receivers.position[i] = glam::Vec3::ZERO;
-        receivers.geometric_normal[i] = glam::Vec3::ZERO;
-        receivers.normal[i] = glam::Vec3::ZERO;
+        receivers.position[i] = Vec3::ZERO;
+        receivers.geometric_normal[i] = Vec3::ZERO;
+        receivers.normal[i] = Vec3::ZERO;
         receivers.albedo[i] = Rgb::ZERO;
         receivers.valid[i] = false;
     }

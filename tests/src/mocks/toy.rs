@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use halflight_contract::{Error, Kind, Output, ParamSpec, Phase, Quantity, Request, Result, Support};
-use halflight_scenes::{Frame, Receivers, Rgb, Scene, Shape, Sphere};
+use halflight_scenes::{Frame, Mesh, Receivers, Rgb, Scene, Shape, Sphere};
 
 /// Strength of shadows: what `evaluate` takes anew.
 pub(super) const STRENGTH: ParamSpec = ParamSpec {
@@ -48,13 +48,15 @@ pub(super) fn mean_light(scene: &Scene) -> Rgb {
 
 /// Spheres of one object in rest position: its own, or one around its mesh.
 pub(super) fn spheres_at_rest(shape: &Shape, inflate: f32) -> Vec<Sphere> {
+    let around = |mesh: &Mesh| {
+        let center = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len().max(1) as f32;
+        let reach = mesh.positions.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
+        vec![Sphere { center, radius: reach }]
+    };
     let spheres = match shape {
         Shape::Spheres(spheres) => spheres.clone(),
-        Shape::Mesh(mesh) => {
-            let center = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len().max(1) as f32;
-            let reach = mesh.positions.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
-            vec![Sphere { center, radius: reach }]
-        }
+        Shape::Mesh(mesh) => around(mesh),
+        Shape::Heights(field) => around(field.mesh()),
     };
     spheres.into_iter().map(|s| Sphere { radius: inflate * s.radius, ..s }).collect()
 }

@@ -16,18 +16,19 @@ pub(super) fn build<P: Packet>(items: &[(P::Primitive, Id)], level: Level) -> Hi
     let boxes: Vec<Bounds> = items.iter().map(|(primitive, _)| Bounds::of::<P>(primitive)).collect();
     if boxes.is_empty() {
         let (nodes, packets, ids) = (Vec::new(), Vec::new(), Vec::new());
-        return Hierarchy { nodes, packets, ids, bounds: [Vec3::ZERO; 2], waiting: 0, level };
+        return Hierarchy { nodes, packets, ids, bounds: [Vec3::ZERO; 2], waiting: 0, level, visits: 0.0 };
     }
     let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
     let bvh = build_bvh2(&boxes, params, &mut Duration::default());
     let Aabb { min, max } = *bvh.nodes[0].aabb();
-    let plan = Plan::new(&bvh);
+    let plan = Plan::new(&bvh, P::CAPACITY);
     let mut writer = Writer { items, bvh: &bvh, plan: &plan, nodes: Vec::new(), packets: Vec::new(), ids: Vec::new() };
     let depth = writer.write();
     let Writer { nodes, packets, ids, .. } = writer;
     // Each node on a path leaves all but one of its children waiting; pushing writes `LANES` entries at once.
     let waiting = (depth + 1) * LANES;
-    Hierarchy { nodes, packets, ids, bounds: [min.into(), max.into()], waiting, level }
+    let tree = Hierarchy { nodes, packets, ids, bounds: [min.into(), max.into()], waiting, level, visits: 0.0 };
+    Hierarchy { visits: tree.expected_visits(), ..tree }
 }
 
 struct Writer<'a, P: Packet> {
@@ -80,7 +81,7 @@ impl<P: Packet> Writer<'_, P> {
     }
 
     fn leaf(&mut self, index: u32) -> Child {
-        let items = self.plan.primitives(index).into_iter().map(|i| self.items[i as usize]);
+        let items = self.plan.primitives(index).into_iter().map(|i| self.items[i as usize].clone());
         let (primitives, mut ids): (Vec<_>, Vec<_>) = items.unzip();
         let child = Child::packet(self.packets.len(), primitives.len());
         self.packets.push(P::pack(&primitives));
@@ -91,15 +92,30 @@ impl<P: Packet> Writer<'_, P> {
 }
 
 impl Node {
-    const EMPTY: Node = Node { corners: [[[0.0; LANES]; 3]; 2], children: [Child(0); LANES], occupied: 0 };
+    const EMPTY: Node = Node { planes: [[[0.0; LANES]; 2]; 3], children: [Child(0); LANES], occupied: 0 };
 
     fn set(&mut self, lane: usize, aabb: &Aabb, child: Child) {
-        for axis in 0..3 {
-            self.corners[0][axis][lane] = aabb.min[axis];
-            self.corners[1][axis][lane] = aabb.max[axis];
-        }
+        self.set_box(lane, aabb.min.to_array(), aabb.max.to_array());
         self.children[lane] = child;
         self.occupied |= 1 << lane;
+    }
+
+    pub(super) fn set_box(&mut self, lane: usize, low: [f32; 3], high: [f32; 3]) {
+        for axis in 0..3 {
+            self.planes[axis][0][lane] = low[axis];
+            self.planes[axis][1][lane] = high[axis];
+        }
+    }
+
+    /// The children lie in the first lanes.
+    pub(super) fn count(&self) -> usize {
+        self.occupied.count_ones() as usize
+    }
+
+    /// Lowest and highest corners of the children.
+    pub(super) fn boxes(&self) -> impl Iterator<Item = [Vec3; 2]> {
+        let corner = |side: usize, lane: usize| Vec3::from(self.planes.each_ref().map(|axis| axis[side][lane]));
+        (0..self.count()).map(move |lane| [corner(0, lane), corner(1, lane)])
     }
 }
 

@@ -18,6 +18,8 @@ pub(super) enum Part {
 pub(super) struct Plan<'a> {
     bvh: &'a Bvh2,
     best: Vec<Forests>,
+    /// The most primitives of a leaf.
+    capacity: usize,
 }
 
 /// A binary node's subtree as at most 1, 2, … trees.
@@ -36,8 +38,8 @@ struct Forests {
 
 impl<'a> Plan<'a> {
     /// Over a tree with one primitive a leaf.
-    pub(super) fn new(bvh: &'a Bvh2) -> Self {
-        let mut plan = Plan { bvh, best: vec![Forests::default(); bvh.nodes.len()] };
+    pub(super) fn new(bvh: &'a Bvh2, capacity: usize) -> Self {
+        let mut plan = Plan { bvh, best: vec![Forests::default(); bvh.nodes.len()], capacity };
         let mut order = vec![0];
         let mut next = 0;
         while let Some(&index) = order.get(next) {
@@ -68,7 +70,7 @@ impl<'a> Plan<'a> {
         };
         let mut forests = Forests { primitives: left.primitives + right.primitives, ..Forests::default() };
         let (below, split) = cheapest(LANES);
-        let as_leaf = if forests.primitives as usize <= LANES { area * LEAF_COST } else { f32::INFINITY };
+        let as_leaf = if forests.primitives as usize <= self.capacity { area * LEAF_COST } else { f32::INFINITY };
         forests.split = split;
         forests.leaf = as_leaf <= area + below;
         forests.costs[0] = as_leaf.min(area + below);

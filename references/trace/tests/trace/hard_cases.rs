@@ -43,6 +43,32 @@ fn a_closed_mesh_does_not_leak_at_its_edges() {
     }
 }
 
+/// Distances to planes that a ray is nearly parallel to are beyond all others.
+#[test]
+fn a_closed_mesh_does_not_leak_where_f32_ends() {
+    for scale in [1e12, 1e15, 1e17] {
+        let mut random = Random(9);
+        let (mut positions, triangles) = closed_mesh(24, &mut random);
+        positions.iter_mut().for_each(|p| *p *= scale);
+        let world = World::build(&[Geometry::Triangles { positions: &positions, triangles: &triangles }]);
+        let rays = (0..3000).map(|i| {
+            let slant = random.point() * [0.0, 1e-20, 1e-9][i % 3];
+            ray(random.point() * 0.2 * scale, (Vec3::AXES[i / 3 % 3] + slant).normalize())
+        });
+        let escaped = blocked(&world, &rays.collect::<Vec<_>>()).iter().filter(|b| !**b).count();
+        assert_eq!(escaped, 0, "at scale {scale}");
+    }
+}
+
+#[test]
+fn what_is_too_far_away_is_left_out() {
+    let mut random = Random(10);
+    let (mut positions, triangles) = closed_mesh(24, &mut random);
+    positions.iter_mut().for_each(|p| *p *= 1e28);
+    let world = World::build(&[Geometry::Triangles { positions: &positions, triangles: &triangles }]);
+    assert_eq!(blocked(&world, &[ray(Vec3::ZERO, Vec3::Z)]), [false]);
+}
+
 #[test]
 fn rays_along_the_axes_hit_shared_edges_and_faces_of_boxes() {
     // A grid in the plane z = 0: axis-parallel rays run exactly through vertices and along box faces.
@@ -69,9 +95,26 @@ fn hundreds_of_coincident_triangles_overflow_nothing() {
 }
 
 #[test]
+fn a_single_triangle_is_hit_from_both_sides_and_nowhere_else() {
+    let positions = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let world = World::build(&[Geometry::Triangles { positions: &positions, triangles: &[[0, 1, 2]] }]);
+    let mut random = Random(8);
+    for _ in 0..1000 {
+        let target = (random.point() * 2.0).with_z(0.0);
+        let origin = target + random.point() + Vec3::Z * 2.0 * (random.unit() - 0.5).signum();
+        let inside = target.x.min(target.y).min(1.0 - target.x - target.y);
+        if inside.abs() > 1e-4 {
+            assert_eq!(blocked(&world, &[ray(origin, (target - origin).normalize())]), [inside > 0.0], "{target}");
+        }
+    }
+}
+
+#[test]
 fn an_empty_world_blocks_nothing() {
     let rays = [ray(Vec3::ZERO, Vec3::Z)];
-    for world in [World::build(&[]), World::build(&[Geometry::Spheres(&[])])] {
+    let flat =
+        Geometry::Triangles { positions: &[Vec3::ZERO, Vec3::Z, Vec3::Z * 2.0], triangles: &[[0, 1, 2], [0, 1, 1]] };
+    for world in [World::build(&[]), World::build(&[Geometry::Spheres(&[])]), World::build(&[flat])] {
         assert_eq!(blocked(&world, &rays), [false]);
         let mut hits = [None];
         world.closest(&rays, &mut hits);

@@ -3,3 +3,4 @@
 mod brute_force;
 mod hard_cases;
 mod oracle;
+mod two_levels;

@@ -1,4 +1,4 @@
-//! Closed forms that estimates are tested against.
+//! Spheres and circles of directions over a receiver.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -33,17 +33,10 @@ pub fn circle(angular_radius: f64, angle: f64) -> f64 {
     sphere_over_receiver(1.0 / angular_radius.sin(), angle)
 }
 
-/// Irradiance over `π` under the CIE overcast sky of unit zenith radiance, `L = (1 + 2 z)/3` above the horizontal plane, for a
-/// normal at `angle` in `[0, π]` from the zenith: by `∫_{z>0} max(0, n·ω) = π(1 + cos γ)/2` and
-/// `∫ max(0, z) max(0, n·ω) = 2/3·(sin γ + (π − γ) cos γ)`. 7/9 on the horizontal.
-pub fn overcast(angle: f64) -> f64 {
-    let (sin, cos) = angle.sin_cos();
-    (0.5 * PI * (1.0 + cos) + 4.0 / 3.0 * (sin + (PI - angle) * cos)) / (3.0 * PI)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analytic::quadrature::smooth_ends;
 
     /// `1/π ∫ max(0, n·ω) dω` over the cone of angular radius `a` around an axis at `angle` from `n`. At angle `t` from the axis
     /// the integral over azimuth of `max(0, A + B cos φ)` is elementary; the one over `t` is cut where it has kinks.
@@ -61,19 +54,7 @@ mod tests {
             2.0 * (big_a * phi + b * phi.sin()) * t.sin()
         };
         let kink = (FRAC_PI_2 - angle).abs().min(a);
-        (midpoint(0.0, kink, ring) + midpoint(kink, a, ring)) / PI
-    }
-
-    /// Midpoint rule under `t = a + (b − a)(3s² − 2s³)`, which removes square-root behaviour at the ends.
-    fn midpoint(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
-        let n = 4000;
-        let step = |i: usize| (i as f64 + 0.5) / f64::from(n as u32);
-        (0..n)
-            .map(|i| {
-                let s = step(i);
-                f(a + (b - a) * s * s * (3.0 - 2.0 * s)) * (b - a) * 6.0 * s * (1.0 - s) / f64::from(n as u32)
-            })
-            .sum()
+        (smooth_ends(0.0, kink, ring) + smooth_ends(kink, a, ring)) / PI
     }
 
     #[test]
@@ -97,24 +78,5 @@ mod tests {
             let angle = f64::from(step).to_radians();
             assert!((circle(FRAC_PI_2, angle) - 0.5 * (1.0 + angle.cos())).abs() < 1e-12, "{step}°");
         }
-    }
-
-    #[test]
-    fn overcast_agrees_with_quadrature() {
-        for step in 0..=18 {
-            let angle = f64::from(10 * step).to_radians();
-            let n = 400;
-            let mut sum = 0.0;
-            for i in 0..n {
-                let (rim, z) = (FRAC_PI_2 * (f64::from(i) + 0.5) / f64::from(n)).sin_cos();
-                for j in 0..2 * n {
-                    let phi = PI * (f64::from(j) + 0.5) / f64::from(n);
-                    let height = angle.cos() * z + angle.sin() * rim * phi.cos();
-                    sum += (1.0 + 2.0 * z) / 3.0 * height.max(0.0) * rim * PI * FRAC_PI_2 / f64::from(n * n);
-                }
-            }
-            assert!((overcast(angle) - sum / PI).abs() < 2e-6, "{angle}: {} for {}", overcast(angle), sum / PI);
-        }
-        assert!((overcast(0.0) - 7.0 / 9.0).abs() < 1e-15);
     }
 }
