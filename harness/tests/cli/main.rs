@@ -6,5 +6,7 @@ mod budget;
 mod commands;
 mod export;
 mod failing;
+mod gate;
+mod gate_controls;
 mod refs;
 mod run;
