@@ -10,14 +10,20 @@ use crate::{Error, probe};
 use halflight_contract::{Cache, Quantity};
 use halflight_references::{Estimate, Quality, Reference, ReferenceStore, Request, obtain};
 use halflight_scenes::{Frame, Receivers, Scene};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
 /// What the other renderer is to be held against.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Check {
+    /// The scene: a shipped one's name, or the path of its file.
+    pub scene: String,
+    /// The frame.
+    pub frame: usize,
+    /// Which light: `direct`, `indirect-N` or `total`.
+    pub quantity: String,
     /// Most receivers, spread evenly over those of the scene.
     pub receivers: usize,
     /// Samples of the truth at each.
@@ -27,54 +33,84 @@ pub struct Check {
 }
 
 /// What else a reader needs to know, `export.json`.
-#[derive(Serialize)]
-struct Contents<'a> {
-    scene: &'a str,
-    frame: usize,
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Contents {
+    #[serde(flatten)]
+    pub(crate) check: Check,
+    /// Of the scene.
+    pub(crate) content: String,
     /// Files, one a light: outgoing radiance is the sum of what each gives.
-    lights: Vec<String>,
-    /// Of the truth's standard errors.
-    degrees_of_freedom: u32,
+    pub(crate) lights: Vec<String>,
 }
 
-/// Writes a frame of a scene as Mitsuba 3 reads it, with receivers and their truth, into a folder that is made if need be:
-/// `export.json` (the files of the lights), `light-N.xml` (a scene with the `N`th light alone, since Mitsuba takes no two
-/// environments), `shapes.xml` with its meshes (blockers only: what casts no shadow is left out), and `receivers.csv`.
+/// The file of [`Contents`].
+pub(crate) const CONTENTS: &str = "export.json";
+
+/// Writes a frame of a scene as Mitsuba 3 reads it into a folder that is made if need be: `export.json` (what is asked, and
+/// the files of the lights), `light-N.xml` (a scene with some of the light), `shapes.xml` with its meshes (what takes part in
+/// light transport), and `receivers.csv` with the truth.
 ///
 /// # Errors
-/// No such frame, samples out of range, a light that Mitsuba has no counterpart for, or a file that cannot be written.
-pub fn export_to_mitsuba(scene: &Scene, frame: usize, check: &Check, cache: &Path, out: &Path) -> Result<(), Error> {
-    probe::check_frame(scene, frame)?;
-    let quality = Quality::fixed(check.samples);
-    quality.check()?;
-    let frame = spread(scene.frame(frame), check.receivers);
-    let lights = mitsuba::write_scenes(scene, &frame, out)?;
-
-    let truth = truth(scene, &frame, &quality, check.seed, cache)?;
-    write(&out.join("receivers.csv"), table(&frame.receivers, &truth).as_bytes())?;
-    let contents = Contents { scene: &scene.name, frame: frame.index, lights, degrees_of_freedom: quality.batches - 1 };
+/// No such scene, frame or quantity, samples out of range, something that Mitsuba has no counterpart for, or a file that cannot
+/// be written.
+pub fn export_to_mitsuba(check: &Check, cache: &Path, out: &Path) -> Result<(), Error> {
+    let case = Case::new(check)?;
+    let lights = mitsuba::write_scenes(&case.scene, &case.frame, out)?;
+    let truth = case.truth(cache)?;
+    write(&out.join("receivers.csv"), table(&case.frame.receivers, &truth).as_bytes())?;
+    let contents = Contents { check: check.clone(), content: case.scene.content.to_string(), lights };
     let json = serde_json::to_string_pretty(&contents).map_err(|error| Error::Other(error.to_string()))?;
-    write(&out.join("export.json"), json.as_bytes())
+    write(&out.join(CONTENTS), json.as_bytes())
 }
 
-/// The frame with at most so many of its valid receivers.
-fn spread(frame: Frame, most: usize) -> Frame {
-    let valid: Vec<usize> = (0..frame.receivers.len()).filter(|i| frame.receivers.valid[*i]).collect();
+/// A check with its scene.
+pub(crate) struct Case {
+    pub(crate) scene: Scene,
+    /// With the chosen receivers alone.
+    pub(crate) frame: Frame,
+    /// All receivers of the frame.
+    pub(crate) all: Arc<Receivers>,
+    /// Which of them were chosen.
+    pub(crate) chosen: Vec<usize>,
+    quantity: Quantity,
+    quality: Quality,
+    seed: u64,
+}
+
+impl Case {
+    pub(crate) fn new(check: &Check) -> Result<Self, Error> {
+        let quantity = crate::plan::quantity(&check.quantity)?;
+        let quality = Quality::fixed(check.samples);
+        quality.check()?;
+        let scene = halflight_scenes::find(&check.scene)?;
+        probe::check_frame(&scene, check.frame)?;
+        let frame = scene.frame(check.frame);
+        let all = frame.receivers.clone();
+        let chosen = spread(&all, check.receivers);
+        let frame = Frame { receivers: Arc::new(all.select(&chosen)), ..frame };
+        Ok(Case { scene, frame, all, chosen, quantity, quality, seed: check.seed })
+    }
+
+    /// The truth at the chosen receivers, made or taken from the cache.
+    pub(crate) fn truth(&self, cache: &Path) -> Result<Estimate, Error> {
+        let store = ReferenceStore::open(cache.join("references"))?;
+        let derived = Cache::in_folder(&cache.join("derived"));
+        let mut progress = Progress::new(1);
+        let mut steps = |what: &str, done, total| progress.within("truth", what, done, total);
+        let mut meter = Recorder::new(&mut steps);
+        let Case { scene, frame, quality, .. } = self;
+        let (reference, quantity, seed) = (&Reference::TRUTH, self.quantity, self.seed);
+        let request = Request { reference, quantity, scene, frame, quality, seed };
+        let (estimate, _, _) = obtain(&store, &request, &derived, &mut meter)?;
+        Ok(estimate)
+    }
+}
+
+/// At most so many of the valid receivers.
+fn spread(receivers: &Receivers, most: usize) -> Vec<usize> {
+    let valid: Vec<usize> = (0..receivers.len()).filter(|i| receivers.valid[*i]).collect();
     let count = valid.len().min(most);
-    let chosen: Vec<usize> = (0..count).map(|i| valid[i * valid.len() / count]).collect();
-    Frame { receivers: Arc::new(frame.receivers.select(&chosen)), ..frame }
-}
-
-fn truth(scene: &Scene, frame: &Frame, quality: &Quality, seed: u64, cache: &Path) -> Result<Estimate, Error> {
-    let store = ReferenceStore::open(cache.join("references"))?;
-    let derived = Cache::in_folder(&cache.join("derived"));
-    let mut progress = Progress::new(1);
-    let mut steps = |what: &str, done, total| progress.within("truth", what, done, total);
-    let mut meter = Recorder::new(&mut steps);
-    let (reference, quantity) = (&Reference::TRUTH, Quantity::Direct);
-    let request = Request { reference, quantity, scene, frame, quality, seed };
-    let (estimate, _, _) = obtain(&store, &request, &derived, &mut meter)?;
-    Ok(estimate)
+    (0..count).map(|i| valid[i * valid.len() / count]).collect()
 }
 
 /// A line a receiver: position, geometric and shading normal, albedo, truth and its standard error.

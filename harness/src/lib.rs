@@ -31,6 +31,7 @@
 
 mod budget;
 pub mod cli;
+mod crosscheck;
 mod environment;
 mod error;
 mod execute;
@@ -52,6 +53,7 @@ pub use budget::{
     budget,
     chain::{Step, Walk, What, walk},
 };
+pub use crosscheck::{SIGNIFICANCE, cross_check};
 pub use environment::{cpu_features, environment};
 pub use error::Error;
 pub use export::{Check, export_to_mitsuba};

@@ -22,7 +22,7 @@ impl Default for Quality {
     /// What pictures need: errors far below those of low-frequency methods, quick enough to wait for. Single z-scores of so few
     /// samples are skewed: tests of significance want [`Quality::fixed`].
     fn default() -> Self {
-        Quality { standard_error: 0.015, min_samples: 64, max_samples: 1024, batches: 16 }
+        Quality { standard_error: 0.015, min_samples: 64, max_samples: 4096, batches: 16 }
     }
 }
 

@@ -32,13 +32,19 @@ pub(crate) enum Blockers {
 }
 
 impl Visibility {
+    /// Where a receiver's rays start. Lamps are looked for from there: a ray that starts elsewhere than where it was aimed from
+    /// may graze the lamp itself before it ends.
+    pub(crate) fn start(&self, receiver: &Receiver) -> Vec3 {
+        match &self.blockers {
+            Blockers::Traced(traced) => traced.lift(receiver.object, receiver.position, receiver.geometric_normal),
+            Blockers::Spheres { .. } => receiver.position,
+        }
+    }
+
     /// What a receiver sees of the blockers.
     pub(crate) fn from(&self, receiver: &Receiver) -> View<'_> {
         let sight = match &self.blockers {
-            Blockers::Traced(traced) => {
-                let origin = traced.lift(receiver.object, receiver.position, receiver.geometric_normal);
-                Sight::Rays { traced, origin }
-            }
+            Blockers::Traced(traced) => Sight::Rays { traced, origin: self.start(receiver) },
             Blockers::Spheres { spheres, rule } => Sight::Circles(circles(receiver, spheres, *rule)),
         };
         View { sight, upper_sky: self.upper_sky }

@@ -2,10 +2,10 @@
 
 mod support;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use halflight_contract::Quantity;
 use halflight_references::{Estimate, Quality, analytic};
-use halflight_scenes::{Object, Rgb, Shape};
+use halflight_scenes::{Grid, Object, Placement, Rgb, Scene, Shape};
 use support::*;
 
 fn lamp(shape: Object, radiance: f32) -> Object {
@@ -74,6 +74,28 @@ fn lamps_in_the_open_give_their_closed_forms() {
     assert_eq!(run("truth", &behind, &quality, 1).mean, [Rgb::ZERO]);
     let inside = scene(vec![lamp(spheres(&[(Vec3::ZERO, 2.0)]), 1.0)], vec![], &[(Vec3::X, Vec3::Z)]);
     assert_eq!(run("truth", &inside, &quality, 1).mean, [Rgb::ZERO]);
+}
+
+/// Rays of a receiver on a wide ground start well above it; those that graze a small lamp must not be blocked by it.
+#[test]
+fn no_lamp_stands_in_its_own_light() {
+    let (center, radius) = (Vec3::new(0.1, -0.1, 0.5), 0.07);
+    let grid = Grid { center: Vec3::ZERO, size: Vec2::ONE, resolution: [8, 8], normal: Vec3::Z, object: Some(1) };
+    let ball = scene(vec![lamp(spheres(&[(center, radius)]), 100.0), plate(0.0, 20.0)], vec![], &[]);
+    let ball = Scene { placement: Placement::Grid(grid), ..ball };
+    let receivers = ball.frame(0).receivers;
+    let exact = |i: usize| {
+        let to = (center - receivers.position[i]).as_dvec3();
+        100.0 * analytic::sphere_over_receiver(to.length() / f64::from(radius), to.angle_between(DVec3::Z))
+    };
+    for reference in ["truth", "mean-visibility"] {
+        let estimate = run(reference, &ball, &Quality::fixed(1024), 1);
+        for i in 0..estimate.mean.len() {
+            // All rays arrive, so that no error is left but that of starting a little higher.
+            let (mean, exact) = (f64::from(estimate.mean[i].x), exact(i));
+            assert!((mean / exact - 1.0).abs() < 3e-4, "{reference}: receiver {i}: {mean} for {exact}");
+        }
+    }
 }
 
 /// A disc of many triangles, of which one is chosen by its power.

@@ -1,7 +1,7 @@
 //! From the store to a report's data.
 
 use crate::labels::{Labels, SceneNames};
-use crate::{Absent, Reference, Report, Row, Scene};
+use crate::{Absent, CrossCheck, Reference, Report, Row, Scene};
 use halflight_results::{Cell, Key, Picture, Record, Run, Score, Store};
 use std::collections::BTreeMap;
 
@@ -20,6 +20,7 @@ pub fn build(store: &Store, title: &str) -> Report {
             labels: Vec::new(),
             methods: Vec::new(),
             scenes: Vec::new(),
+            cross_checks: Vec::new(),
             skips: Vec::new(),
             failures: Vec::new(),
             warnings: store.warnings().to_vec(),
@@ -36,8 +37,17 @@ pub fn build(store: &Store, title: &str) -> Report {
                 let absent = collector.absent(&failure.cell, &failure.error);
                 collector.report.failures.push(absent);
             }
-            Record::Score(_) => {}
+            Record::Score(_) | Record::CrossCheck(_) => {}
         }
+    }
+    for record in store.cross_checks() {
+        let check = CrossCheck {
+            record: record.clone(),
+            ours: collector.picture(&record.ours),
+            theirs: collector.picture(&record.theirs),
+            receiver_p: collector.picture(&record.receiver_p),
+        };
+        collector.report.cross_checks.push(check);
     }
     let mut report = collector.report;
     for scene in &mut report.scenes {

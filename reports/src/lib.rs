@@ -15,6 +15,7 @@
 mod budget;
 mod chip;
 mod collect;
+mod crosschecks;
 mod figures;
 mod format;
 mod labels;
@@ -27,4 +28,4 @@ mod tables;
 
 pub use budget::{Budget, BudgetStep};
 pub use collect::build;
-pub use report::{Absent, Reference, Report, ReportError, Row, Scene};
+pub use report::{Absent, CrossCheck, Reference, Report, ReportError, Row, Scene};

@@ -4,7 +4,7 @@ use crate::chip::{chip, colour};
 use crate::format::{escape, number};
 use crate::plot::{Point, error_against_time};
 use crate::summary::matrix;
-use crate::{Absent, Report, ReportError, Scene, figures, tables};
+use crate::{Absent, Report, ReportError, Scene, crosschecks, figures, tables};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
@@ -24,6 +24,7 @@ pub(crate) fn html(report: &Report) -> Result<String, ReportError> {
         "<h2 id=\"summary\">Summary</h2>".to_owned(),
         summary(report),
         sections,
+        crosschecks::section(&report.cross_checks)?,
         absent(report),
         "<h2>Settings in full</h2>".to_owned(),
         tables::settings(report),

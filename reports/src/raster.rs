@@ -36,6 +36,13 @@ pub(crate) fn error_map(picture: &Picture, reference: &Picture, scale: f64) -> R
     data_address(picture, errors(picture, reference).map(|e| Some(false_colour(e? / scale))))
 }
 
+/// Probabilities in white to red by their logarithm, from 1 to `least`.
+pub(crate) fn probability_map(map: &Picture, least: f64) -> Result<String, ReportError> {
+    let pixels = map.radiance.iter().zip(&map.valid);
+    let share = |p: f32| f64::from(p).max(least).ln() / least.ln();
+    data_address(map, pixels.map(|(p, valid)| valid.then(|| false_colour(share(p.x)))))
+}
+
 /// A scale that shows these errors: the 99th percentile of their sizes, rounded up to a number that reads well.
 pub(crate) fn error_scale<'a>(pairs: impl Iterator<Item = (&'a Picture, &'a Picture)>) -> f64 {
     let mut sizes: Vec<f64> = pairs.flat_map(|(p, r)| errors(p, r).flatten().map(f64::abs)).collect();
@@ -122,6 +129,13 @@ mod tests {
         let pixels = decode(&error_map(&x, &r, 1.0).unwrap());
         assert_eq!(pixels, [[5, 48, 97, 255], [247, 247, 247, 255], [103, 0, 31, 255], [103, 0, 31, 255], [0; 4]]);
         assert_eq!(false_colour(-0.9), [19, 75, 135]);
+    }
+
+    #[test]
+    fn probabilities_run_from_white_to_dark_red() {
+        let map = picture(&[1.0, 0.025_118_86, 1e-4, 0.0, 0.0], &[true, true, true, true, false]);
+        let pixels = decode(&probability_map(&map, 1e-4).unwrap());
+        assert_eq!(pixels, [[247, 247, 247, 255], [244, 165, 130, 255], [103, 0, 31, 255], [103, 0, 31, 255], [0; 4]]);
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub struct Report {
     pub methods: Vec<String>,
     /// One section a scene and frame.
     pub scenes: Vec<Scene>,
+    /// What other programs say to the truth.
+    pub cross_checks: Vec<CrossCheck>,
     /// Cells that were skipped.
     pub skips: Vec<Absent>,
     /// Cells that failed.
@@ -57,6 +59,19 @@ pub struct Row {
     pub picture: Option<Picture>,
     /// Its scores, one a reference.
     pub scores: Vec<Score>,
+}
+
+/// What another program says to the truth. Pictures are none where a file is missing or damaged.
+#[derive(Clone, Debug)]
+pub struct CrossCheck {
+    /// The record.
+    pub record: halflight_results::CrossCheck,
+    /// The truth.
+    pub ours: Option<Picture>,
+    /// The other program's picture.
+    pub theirs: Option<Picture>,
+    /// The probability of the difference at each receiver.
+    pub receiver_p: Option<Picture>,
 }
 
 /// A cell without a run.

@@ -3,7 +3,7 @@
 mod synthetic;
 
 use halflight_reports::{Report, build};
-use halflight_results::{Cell, Record, Run, Skip, Store};
+use halflight_results::{Cell, CrossCheck, Layout, Picture, Record, Run, Skip, Store};
 use std::fs;
 
 fn sample() -> (tempfile::TempDir, Report, String) {
@@ -138,4 +138,56 @@ fn the_page_is_the_same_each_time_and_replaces_the_old_one() {
     assert!(error.contains("no/such/folder/report.html"), "{error}");
     let left: Vec<_> = fs::read_dir(dir.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".tmp")), "{left:?}");
+}
+
+#[test]
+fn cross_checks_show_both_pictures_and_the_map_of_p() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut store = Store::open(dir.path()).unwrap();
+    let picture = |values: [f32; 4]| Picture {
+        layout: Layout::Image { width: 2, height: 2 },
+        radiance: values.map(glam::Vec3::splat).to_vec(),
+        valid: vec![true; 4],
+    };
+    let keep = |values| store.write_picture(&picture(values)).unwrap();
+    let (ours, theirs) = (keep([1.0, 0.5, 0.2, 0.4]), keep([1.0, 0.5, 0.3, 0.4]));
+    let agreeing = CrossCheck {
+        scene: "<room>".into(),
+        scene_hash: "5ce9e".into(),
+        frame: 0,
+        quantity: "indirect-1".into(),
+        program: "Mitsuba 3".into(),
+        samples: [4096, 8192],
+        ours,
+        theirs,
+        receiver_p: keep([1.0, 0.5, 0.04, 0.7]),
+        receivers: 4,
+        largest: Some(2.25),
+        family_p: 0.375,
+        bias: [0.001; 3],
+        bias_error: [0.002; 3],
+        bias_p: 0.625,
+        level: 0.5,
+        p: 0.75,
+        agrees: true,
+    };
+    assert!(!build(&store, "none").html().unwrap().contains("Cross-checks"));
+    let differing = CrossCheck { quantity: "direct".into(), largest: None, agrees: false, ..agreeing.clone() };
+    for check in [agreeing, differing] {
+        store.append(Record::CrossCheck(Box::new(check))).unwrap();
+    }
+    let html = build(&store, "some").html().unwrap();
+    for part in [
+        "1 of 2 agree",
+        "&lt;room&gt; · indirect-1",
+        "<b class=\"agrees\">agrees</b> · Mitsuba 3 · 4 receivers",
+        "<b class=\"failed\">differs</b>",
+        "largest |z| 2.25, p 0.375",
+        "largest |z| ∞",
+        "truth's excess 0.200 ± 0.400 %, p 0.625",
+        "p below 0.05 at 25.0 % of receivers",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+    assert_eq!(html.matches("<image ").count(), 6);
 }

@@ -4,7 +4,8 @@ use crate::Key;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The version of the line format; written as `schema` on every line. A line of a newer schema is refused.
+/// The version of the line format; written as `schema` on every line. Lines of another are refused by name:
+/// this is the first, so there is none to migrate from.
 pub const SCHEMA: u32 = 1;
 
 /// A method's parameters, by name.
@@ -22,16 +23,18 @@ pub enum Record {
     Failure(Failure),
     /// The errors of a run's picture against one reference.
     Score(Score),
+    /// What another program says to the truth.
+    CrossCheck(Box<CrossCheck>),
 }
 
 impl Record {
-    /// The cell that a run, skip or failure is about; none for a score.
+    /// The cell that a run, skip or failure is about; none for a score or a cross-check.
     pub fn cell(&self) -> Option<&Cell> {
         match self {
             Record::Run(run) => Some(&run.cell),
             Record::Skip(skip) => Some(&skip.cell),
             Record::Failure(failure) => Some(&failure.cell),
-            Record::Score(_) => None,
+            Record::Score(_) | Record::CrossCheck(_) => None,
         }
     }
 }
@@ -219,4 +222,45 @@ pub struct Score {
     pub resolved: bool,
     /// Every error measure by name, the reference's standard error among them.
     pub measures: BTreeMap<String, f64>,
+}
+
+/// The truth of a scene held against what another program finds at the same receivers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CrossCheck {
+    /// The scene's name or path.
+    pub scene: String,
+    /// Hash of the scene's content, assets included.
+    pub scene_hash: String,
+    /// The frame's index.
+    pub frame: u32,
+    /// What was computed, such as `direct`.
+    pub quantity: String,
+    /// The other program, with its version.
+    pub program: String,
+    /// Samples a receiver: ours, theirs.
+    pub samples: [u32; 2],
+    /// The truth, in the same store: `images/<ours>.exr`.
+    pub ours: Key,
+    /// What the other program finds.
+    pub theirs: Key,
+    /// A picture of each receiver's p: the probability of differences at least as large in any channel.
+    pub receiver_p: Key,
+    /// Receivers tested.
+    pub receivers: usize,
+    /// Largest |z| of any receiver and channel; none where there is a difference that chance cannot make.
+    pub largest: Option<f64>,
+    /// Probability that honest receivers have such an outlier.
+    pub family_p: f64,
+    /// Mean difference over receivers, a channel: the truth's excess.
+    pub bias: [f64; 3],
+    /// Standard error of `bias`.
+    pub bias_error: [f64; 3],
+    /// Probability that `bias` is so far from zero.
+    pub bias_p: f64,
+    /// Mean over receivers and channels of what the other program finds.
+    pub level: f64,
+    /// Probability that honest programs differ as much by either measure.
+    pub p: f64,
+    /// Whether `p` is above the level of the test.
+    pub agrees: bool,
 }

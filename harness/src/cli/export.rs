@@ -16,6 +16,9 @@ pub(super) struct Export {
     /// Folder to write into
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Which light: direct, indirect-N by up to N bounces, total
+    #[arg(long, default_value = "direct")]
+    quantity: String,
     /// Receivers to write with their truth, spread evenly over the scene's; all if it has fewer
     #[arg(long, value_name = "N", default_value_t = 2000)]
     receivers: usize,
@@ -40,12 +43,18 @@ enum Renderer {
 
 impl Export {
     pub(super) fn act(&self) -> anyhow::Result<Ending> {
-        let scene = halflight_scenes::find(&self.scene)?;
-        let check = Check { receivers: self.receivers, samples: self.samples, seed: self.seed };
+        let check = Check {
+            scene: self.scene.clone(),
+            frame: self.frame,
+            quantity: self.quantity.clone(),
+            receivers: self.receivers,
+            samples: self.samples,
+            seed: self.seed,
+        };
         match self.to {
-            Renderer::Mitsuba => export_to_mitsuba(&scene, self.frame, &check, &self.cache.path()?, &self.out)?,
+            Renderer::Mitsuba => export_to_mitsuba(&check, &self.cache.path()?, &self.out)?,
         }
-        say(&format!("exported {} to {}", scene.name, self.out.display()));
+        say(&format!("exported {} of {} to {}", check.quantity, check.scene, self.out.display()));
         Ok(Ending::Well)
     }
 }

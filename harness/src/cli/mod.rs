@@ -2,6 +2,7 @@
 
 mod bless;
 mod budget;
+mod crosscheck;
 mod diff;
 mod doctor;
 mod export;
@@ -54,6 +55,8 @@ enum Command {
     Diff(diff::Diff),
     /// Write a scene for another renderer, with receivers and their truth to hold that renderer against
     Export(export::Export),
+    /// Hold the truth against what another renderer found in an exported scene
+    Crosscheck(crosscheck::Check),
     /// List what there is
     List(list::List),
     /// Show the machine, the build and the folders, and verify the shipped scenes
@@ -190,6 +193,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Bless(bless)) => bless.act(),
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
+        Some(Command::Crosscheck(check)) => check.act(),
         Some(Command::List(list)) => list.act(),
         Some(Command::Doctor(doctor)) => doctor.act(),
     }

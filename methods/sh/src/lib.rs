@@ -34,6 +34,8 @@
 //! ```
 
 mod basis;
+mod batch;
+mod block;
 mod circle;
 mod eigen;
 mod exp;
@@ -41,21 +43,23 @@ mod gamma;
 mod guard;
 mod log;
 mod order;
+mod pieces;
 mod quadrature;
-mod real;
 mod rotation;
 mod table;
 mod zonal;
 
 pub use basis::evaluate;
+pub use batch::{Batch, BatchExp, product, square};
+pub use block::{blocks_for, pack, unpack};
 pub use circle::{CircleTable, circle_log, circle_visibility};
 pub use eigen::SymmetricEigen;
 pub use exp::{ExpWorkspace, SquaringRule, Work, exact as exp_exact};
 pub use gamma::{Gamma, Triple, gamma};
 pub use guard::project_binary_bound;
+pub use halflight_sh_kernels::{Block, LANES, Real, Simd};
 pub use log::{EIGENVALUE_CLIP, log_eigen, log_naive};
 pub use order::{MAX_ORDER, OrderError, check_order, coefficients, index};
 pub use quadrature::{Quadrature, gauss_legendre, project};
-pub use real::Real;
 pub use rotation::{Rotation, rotate_z};
 pub use zonal::{apply_bands, clamped_cosine, irradiance_weights, rotate_zonal, window};

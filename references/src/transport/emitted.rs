@@ -18,13 +18,13 @@ pub(crate) struct Emitted {
 
 impl Term for Emitted {
     fn sample(&self, receiver: &Receiver, plan: Plan, seed: u64, scratch: &mut Scratch) {
-        let view = self.visibility.from(receiver);
+        let (view, start) = (self.visibility.from(receiver), self.visibility.start(receiver));
         let mut weights = Weights::default();
-        self.emitters.weigh(receiver.position, receiver.normal, &mut weights);
+        self.emitters.weigh(start, receiver.normal, &mut weights);
         for batch in 0..plan.batches {
             let sobol = Sobol::new(mix(seed, u64::from(batch)));
             for i in 0..plan.per_batch {
-                let Some(towards) = self.emitters.sample(&weights, receiver.position, sobol.point(i)) else { continue };
+                let Some(towards) = self.emitters.sample(&weights, start, sobol.point(i)) else { continue };
                 let cos = receiver.normal.dot(towards.direction);
                 let reflected = cos * std::f32::consts::FRAC_1_PI / (towards.density * plan.per_batch as f32);
                 if cos > 0.0 && reflected.is_finite() {
@@ -41,7 +41,7 @@ impl Term for Emitted {
 
     fn known(&self, receiver: &Receiver, _: &mut Scratch) -> DVec3 {
         match self.emitters.are_few() {
-            true => self.emitters.open(receiver.position, receiver.normal),
+            true => self.emitters.open(self.visibility.start(receiver), receiver.normal),
             false => DVec3::ZERO,
         }
     }

@@ -24,7 +24,7 @@ pub(crate) struct MeanVisibility {
 
 impl Term for MeanVisibility {
     fn sample(&self, receiver: &Receiver, plan: Plan, seed: u64, scratch: &mut Scratch) {
-        let view = self.visibility.from(receiver);
+        let (view, start) = (self.visibility.from(receiver), self.visibility.start(receiver));
         let mut source = 0;
         let mut each = |light: DVec3, ray: &dyn Fn([f32; 2]) -> Option<Ray>| {
             source += 1;
@@ -39,15 +39,15 @@ impl Term for MeanVisibility {
             });
         }
         for object in self.emitters.objects() {
-            let points = Points::new(object, receiver.position);
-            let light = object.iter().map(|emitter| emitter.open(receiver.position, receiver.normal)).sum();
+            let points = Points::new(object, start);
+            let light = object.iter().map(|emitter| emitter.open(start, receiver.normal)).sum();
             each(light, &|point| points.towards(point).map(|(direction, distance)| view.ray(direction, distance)));
         }
     }
 
     fn known(&self, receiver: &Receiver, _: &mut Scratch) -> DVec3 {
         let keys = self.keys.iter().map(|key| open_key(key, receiver.normal.as_dvec3())).sum::<DVec3>();
-        keys + self.emitters.open(receiver.position, receiver.normal)
+        keys + self.emitters.open(self.visibility.start(receiver), receiver.normal)
     }
 }
 

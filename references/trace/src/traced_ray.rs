@@ -5,7 +5,7 @@ use glam::{Vec3, Vec3A};
 /// Bounds, relative to coordinates and their distances from the ray's start, what rounding may add up to between a
 /// box's planes and the sheared corners of a triangle inside: four roundings for the shear, six for the planes, and
 /// some to spare (Woop, Benthin and Wald 2013, section 4).
-pub(crate) const ROUNDING: f32 = 16.0 * (f32::EPSILON / 2.0);
+const ROUNDING: f32 = 16.0 * (f32::EPSILON / 2.0);
 
 /// Direction components below this fraction of the largest count as that fraction, far below [`ROUNDING`]: no
 /// plane distance is then `0·∞`, and a ray parallel to a plane keeps to its side.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::body::{Body, Geometry};
 use crate::instance::{Instance, InstancePacket};
 use crate::traced_ray::TracedRay;
-use crate::wide::{BUNDLE, Hierarchy, Id, Stack};
+use crate::wide::{BUNDLE, Bundle, Hierarchy, Id, Stack};
 
 /// A ray segment `origin + t·direction` with `t_min < t < t_max`.
 #[derive(Clone, Copy, Debug)]
@@ -107,9 +107,9 @@ impl World {
             }
             ends[i] = t_max;
         }
-        let (traced, ends) = (&traced[..count], &ends[..count]);
-        let mut hit = self.fixed.any_of(traced, ends, open, &mut stacks.scratch);
-        hit |= self.moving.any_of(traced, ends, open & !hit, stacks);
+        let bundle = Bundle { rays: &traced, ends: &ends, open };
+        let mut hit = self.fixed.any_of(bundle, &mut stacks.scratch);
+        hit |= self.moving.any_of(Bundle { open: open & !hit, ..bundle }, stacks);
         blocked.iter_mut().enumerate().for_each(|(i, blocked)| *blocked = hit >> i & 1 == 1);
     }
 

@@ -1,6 +1,8 @@
 //! The shipped scenes load, are what their names say, and find themselves.
 
-use halflight_scenes::{Scene, Shape, find, shipped};
+use glam::Vec3;
+use halflight_scenes::{Scene, Shape, Which, find, shipped};
+use halflight_trace::{Hit, Ray};
 
 fn load(name: &str) -> Scene {
     find(name).unwrap_or_else(|error| panic!("{error}"))
@@ -12,7 +14,11 @@ fn all_load_with_purpose_and_valid_receivers() {
     let expected = [
         "bunny-studio",
         "dino-elephant-courtyard",
+        "furnace",
+        "interior",
         "jacksboro-sunrise",
+        "lamp",
+        "room",
         "sphere-plane",
         "spheres-60",
         "teapot-sunset",
@@ -41,13 +47,39 @@ fn every_asset_has_its_hash() {
 
 #[test]
 fn models_stand_on_their_ground_a_metre_tall() {
-    for name in ["bunny-studio", "dino-elephant-courtyard", "teapot-sunset"] {
+    for name in ["bunny-studio", "dino-elephant-courtyard", "interior", "teapot-sunset"] {
         for object in load(name).objects.iter().filter(|object| object.casts) {
             let Shape::Mesh(mesh) = &*object.shape else { panic!("{name}") };
             let heights = mesh.positions.iter().map(|p| p.z);
             let (low, high) = heights.fold((f32::MAX, f32::MIN), |(low, high), z| (low.min(z), high.max(z)));
             assert!((-1e-3..=0.0).contains(&low), "{name}: {} begins at {low}", object.name);
             assert!((0.7..=1.3).contains(&high), "{name}: {} ends at {high}", object.name);
+        }
+    }
+}
+
+/// From points inside a closed room, every ray meets a front.
+#[test]
+fn walls_face_inwards_and_leave_no_gap() {
+    for (name, inside, open) in [("furnace", Vec3::new(0.1, 0.2, 0.3), None), ("room", Vec3::Z, Some(-Vec3::Y))] {
+        let scene = load(name);
+        let world = scene.world(&scene.frame(0), Which::Casters);
+        let walls = |hit: &Hit| {
+            let Shape::Mesh(mesh) = &*scene.objects[hit.geometry as usize].shape else { return None };
+            Some(mesh.face_normal(hit.primitive as usize))
+        };
+        for i in 0..10_000 {
+            // A spiral of evenly spread directions.
+            let (z, turn) = (1.0 - (i as f32 + 0.5) / 5000.0, 2.399_963_2 * i as f32);
+            let direction = Vec3::new(turn.cos(), turn.sin(), 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z;
+            if open.is_some_and(|open: Vec3| open.dot(direction) > 0.0) {
+                continue;
+            }
+            let ray = Ray { origin: inside, direction, t_min: 0.0, t_max: f32::INFINITY };
+            let mut hit = [None];
+            world.closest(&[ray], &mut hit);
+            let hit = hit[0].unwrap_or_else(|| panic!("{name}: a gap towards {direction}"));
+            assert!(walls(&hit).is_none_or(|normal| normal.dot(direction) < 0.0), "{name}: a back towards {direction}");
         }
     }
 }

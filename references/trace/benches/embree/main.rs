@@ -20,7 +20,7 @@ const BUNDLE: usize = 64;
 /// Rays of one call: as many as are never shared between threads.
 const BATCH: usize = 512;
 /// Rays of one turn: short, so that whatever else the machine does meets all sides alike.
-const SLICE: usize = 4096;
+const SLICE: usize = 1 << 14;
 
 const MESHES: [(&str, &str); 4] = [
     ("teapot-sunset", "teapot"),
@@ -111,13 +111,12 @@ struct Comparison {
 }
 
 fn compare(world: &World, rays: &[Ray], bundled: bool, embree: &mut Embree, rounds: usize) -> Comparison {
-    let slices = rays.len() / SLICE;
-    let mut best = vec![[f64::INFINITY; 3]; slices];
+    let mut best = vec![[f64::INFINITY; 3]; rays.len() / SLICE];
     let mut ratios = [Vec::new(), Vec::new()];
     let mut blocked = [0; 3];
     // The first round warms up.
     for round in 0..=rounds {
-        for slice in 0..slices {
+        for (slice, best) in best.iter_mut().enumerate() {
             let first = slice * SLICE;
             let ours = ours(world, &rays[first..][..SLICE], bundled);
             let answers = [ours, embree.trace(true, first), embree.trace(false, first)];
@@ -125,7 +124,7 @@ fn compare(world: &World, rays: &[Ray], bundled: bool, embree: &mut Embree, roun
                 (0..3).for_each(|i| blocked[i] += answers[i].1);
                 continue;
             }
-            (0..3).for_each(|i| best[slice][i] = best[slice][i].min(answers[i].0));
+            (0..3).for_each(|i| best[i] = best[i].min(answers[i].0));
             (0..2).for_each(|i| ratios[i].push(answers[i + 1].0 / answers[0].0));
         }
     }

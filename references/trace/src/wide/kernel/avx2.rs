@@ -2,7 +2,9 @@
 
 use std::arch::x86_64::*;
 
-use super::super::{ALL_LANES, BUNDLE, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, stream, traverse};
+use super::super::{
+    ALL_LANES, BUNDLE, Bundle, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, stream, traverse,
+};
 use super::{BoxRay, FAR, Kernel};
 use crate::traced_ray::TracedRay;
 
@@ -42,24 +44,20 @@ impl Avx2 {
     pub(super) fn any_of<P: Packet>(
         self,
         tree: &Hierarchy<P>,
-        rays: &[TracedRay],
-        ends: &[f32],
-        open: u64,
+        bundle: Bundle<'_>,
         stack: &mut Stack<P::Scratch>,
     ) -> u64 {
         #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
         fn compiled<P: Packet>(
             kernel: Avx2,
             tree: &Hierarchy<P>,
-            rays: &[TracedRay],
-            ends: &[f32],
-            open: u64,
+            bundle: Bundle<'_>,
             stack: &mut Stack<P::Scratch>,
         ) -> u64 {
-            stream::any_of(kernel, tree, rays, ends, open, stack)
+            stream::any_of(kernel, tree, bundle, stack)
         }
         // SAFETY: `self` proves the features.
-        unsafe { compiled(self, tree, rays, ends, open, stack) }
+        unsafe { compiled(self, tree, bundle, stack) }
     }
 
     pub(super) fn closest<P: Packet>(
@@ -95,6 +93,11 @@ impl Kernel for Avx2 {
     fn straddling(self, corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
         // SAFETY: `self` proves the features.
         unsafe { straddling(corners, ray) }
+    }
+
+    #[inline(always)]
+    fn fetch<T>(self, value: &T) {
+        fetch(value);
     }
 
     #[inline(always)]
@@ -206,6 +209,15 @@ fn transpose(masks: &[u8; BUNDLE]) -> [u64; LANES] {
         *rays = u64::from(low) | u64::from(high) << 32;
     }
     rays
+}
+
+#[inline(always)]
+pub(super) fn fetch<T>(value: &T) {
+    const LINE: usize = 64;
+    for at in (0..size_of::<T>()).step_by(LINE) {
+        // SAFETY: a hint reads nothing, and these instructions are part of x86-64.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>((&raw const *value).cast::<i8>().wrapping_add(at)) };
+    }
 }
 
 /// # Safety

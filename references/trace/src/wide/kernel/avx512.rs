@@ -4,7 +4,9 @@
 
 use std::arch::x86_64::*;
 
-use super::super::{ALL_LANES, BUNDLE, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, stream, traverse};
+use super::super::{
+    ALL_LANES, BUNDLE, Bundle, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, stream, traverse,
+};
 use super::{BoxRay, Kernel, avx2};
 use crate::traced_ray::TracedRay;
 
@@ -44,24 +46,20 @@ impl Avx512 {
     pub(super) fn any_of<P: Packet>(
         self,
         tree: &Hierarchy<P>,
-        rays: &[TracedRay],
-        ends: &[f32],
-        open: u64,
+        bundle: Bundle<'_>,
         stack: &mut Stack<P::Scratch>,
     ) -> u64 {
         #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw")]
         fn compiled<P: Packet>(
             kernel: Avx512,
             tree: &Hierarchy<P>,
-            rays: &[TracedRay],
-            ends: &[f32],
-            open: u64,
+            bundle: Bundle<'_>,
             stack: &mut Stack<P::Scratch>,
         ) -> u64 {
-            stream::any_of(kernel, tree, rays, ends, open, stack)
+            stream::any_of(kernel, tree, bundle, stack)
         }
         // SAFETY: `self` proves the features.
-        unsafe { compiled(self, tree, rays, ends, open, stack) }
+        unsafe { compiled(self, tree, bundle, stack) }
     }
 
     pub(super) fn closest<P: Packet>(
@@ -97,6 +95,11 @@ impl Kernel for Avx512 {
     fn straddling(self, corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
         // SAFETY: `self` proves the features.
         unsafe { straddling(corners, ray) }
+    }
+
+    #[inline(always)]
+    fn fetch<T>(self, value: &T) {
+        avx2::fetch(value);
     }
 
     #[inline(always)]

@@ -8,8 +8,8 @@ mod scalar;
 
 use glam::{Vec3, Vec3A};
 
-use super::{BUNDLE, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
-use crate::traced_ray::{ROUNDING, TracedRay};
+use super::{BUNDLE, Bundle, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
+use crate::traced_ray::TracedRay;
 
 /// A set of instructions. A value of it is proof that the machine has them.
 pub(crate) trait Kernel: Copy {
@@ -26,6 +26,9 @@ pub(crate) trait Kernel: Copy {
     /// Writes the children in `mask` to the front of `room`, in their order; what follows them there is void.
     fn push(self, children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]);
 
+    /// Asks the memory for a value that is to be read soon.
+    fn fetch<T>(self, value: &T);
+
     /// For each lane, the mask of the rays whose masks of lanes hold it.
     fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES];
 }
@@ -33,6 +36,7 @@ pub(crate) trait Kernel: Copy {
 /// A ray as the boxes of one tree see it: it meets a plane at `plane·inverse − offset`. The offsets give way by what
 /// rounding may add up to. One cache line.
 #[repr(align(64))]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct BoxRay {
     inverse: [f32; 3],
     /// Of the planes that are met first, and of those met last.
@@ -48,16 +52,9 @@ const FAR: u32 = (LANES * size_of::<f32>()) as u32;
 impl BoxRay {
     #[inline(always)]
     pub(super) fn new(ray: &TracedRay, bounds: &[Vec3; 2]) -> Self {
-        let mut inverse = Vec3A::from(ray.inverse);
+        let inverse = Vec3A::from(ray.inverse);
         let (at_origin, slack) = (Vec3A::from(ray.origin) * inverse, ray.slack(bounds));
-        let (mut near, mut far) = (at_origin + slack, at_origin - slack);
-        // Coordinates so huge that a plane's distance may overflow: the axis decides nothing.
-        let lost = !(slack / ROUNDING).is_finite_mask();
-        if lost.any() {
-            inverse = Vec3A::select(lost, Vec3A::ZERO, inverse);
-            near = Vec3A::select(lost, Vec3A::MAX, near);
-            far = Vec3A::select(lost, Vec3A::MIN, far);
-        }
+        let (near, far) = (at_origin + slack, at_origin - slack);
         let first = |axis: u32, inverse: f32| 2 * axis * FAR + if inverse.is_sign_negative() { FAR } else { 0 };
         let first = [first(0, ray.inverse.x), first(1, ray.inverse.y), first(2, ray.inverse.z)];
         BoxRay { inverse: inverse.into(), offsets: [near.into(), far.into()], first, t_min: ray.t_min }
@@ -108,17 +105,15 @@ impl Level {
     pub(super) fn any_of<P: Packet>(
         self,
         tree: &Hierarchy<P>,
-        rays: &[TracedRay],
-        ends: &[f32],
-        open: u64,
+        bundle: Bundle<'_>,
         stack: &mut Stack<P::Scratch>,
     ) -> u64 {
         match self {
-            Level::Scalar(kernel) => super::stream::any_of(kernel, tree, rays, ends, open, stack),
+            Level::Scalar(kernel) => super::stream::any_of(kernel, tree, bundle, stack),
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2(kernel) => kernel.any_of(tree, rays, ends, open, stack),
+            Level::Avx2(kernel) => kernel.any_of(tree, bundle, stack),
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512(kernel) => kernel.any_of(tree, rays, ends, open, stack),
+            Level::Avx512(kernel) => kernel.any_of(tree, bundle, stack),
         }
     }
 

@@ -43,6 +43,9 @@ impl Kernel for Scalar {
     }
 
     #[inline(always)]
+    fn fetch<T>(self, _: &T) {}
+
+    #[inline(always)]
     fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES] {
         std::array::from_fn(|lane| (0..BUNDLE).fold(0, |rays, ray| rays | u64::from(masks[ray] >> lane & 1) << ray))
     }
