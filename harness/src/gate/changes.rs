@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// One line for every value that differs, `subject: what: old -> new`; none where nothing does.
 pub fn changes(old: &Baselines, new: &Baselines) -> Vec<String> {
     let mut lines = Vec::new();
-    if old.kernels != new.kernels {
+    if old.kernels != new.kernels && !old.kernels.is_empty() {
         lines.push(format!("vector extensions: {} -> {}", old.kernels, new.kernels));
     }
     for (name, old, new) in pairs(&old.references, &new.references) {

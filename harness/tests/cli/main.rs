@@ -7,6 +7,8 @@ mod commands;
 mod export;
 mod failing;
 mod killed;
+mod gate;
+mod gate_controls;
 mod refs;
 mod rescore;
 mod run;
