@@ -284,6 +284,8 @@ fn who_claims_first_and_looks_then_runs_no_cell_twice() {
                     let claim = store.claim(&cell(seed).key()).unwrap();
                     store.refresh().unwrap();
                     if store.outcome(&cell(seed).key()).is_none() {
+                        // Long enough for another to look too, if it could.
+                        std::thread::sleep(std::time::Duration::from_micros(500));
                         store.append(run(seed)).unwrap();
                         worked.fetch_add(1, Ordering::Relaxed);
                     }
