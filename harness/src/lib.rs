@@ -10,6 +10,7 @@
 //! | execute | `execute.rs`, `recorder.rs` | cell → picture, times, counters, memory |
 //! | score | `score.rs` | picture and reference → error measures |
 //! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
+//! | gate | `gate/` | what a store holds, against baselines |
 //!
 //! A cell is scene × method × parameters × backend × quantity × frame. Its key holds what decides its result and, since
 //! results carry times, where they were taken: another machine class (processor, threads, compiler, profile) runs cells anew.
