@@ -11,6 +11,7 @@
 //! | score | `score.rs` | picture and reference → error measures |
 //! | table | `table.rs` | a store → rows of a CSV or Parquet file |
 //! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
+//! | gate | `gate/` | what a store holds, against baselines |
 //!
 //! A cell is scene × method × parameters × backend × quantity × frame. Its key holds what decides its result and, since
 //! results carry times, where they were taken: another machine class (processor, threads, compiler, profile) runs cells anew.

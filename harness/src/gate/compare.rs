@@ -186,8 +186,9 @@ impl<'c> Comparing<'c> {
         let off = |old: f64, new: f64| (new - old).abs() / level;
         let pairs = old.iter().zip(new).enumerate().filter_map(|(i, (old, new))| Some((i, (*old)?, (*new)?)));
         let all = pairs.flat_map(|(i, old, new)| [0, 1, 2].map(|c| (i, c, old[c], new[c])));
-        // Not `>`: a NaN is off.
-        let wrong: Vec<_> = all.filter(|(.., old, new)| !(off(*old, *new) <= ROUNDING)).collect();
+        // What is not within is off, a NaN too.
+        let within = |old, new| off(old, new) <= ROUNDING;
+        let wrong: Vec<_> = all.filter(|(.., old, new)| !within(*old, *new)).collect();
         let farthest = wrong.iter().max_by(|a, b| off(a.2, a.3).total_cmp(&off(b.2, b.3)));
         let Some((i, c, old, new)) = farthest else { return };
         let (share, place) = (100.0 * (new - old) / old, place(*i, *c));
