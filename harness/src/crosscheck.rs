@@ -2,7 +2,6 @@
 
 use crate::Error;
 use crate::export::{CONTENTS, Case, Contents};
-use crate::score::layout;
 use halflight_references::Estimate;
 use halflight_references::statistics::compare;
 use halflight_results::{CrossCheck, Key, Picture, Record, ReferencePicture, Store};
@@ -42,7 +41,7 @@ pub fn cross_check(folder: &Path, store: &mut Store, cache: &Path) -> Result<Cro
         return Err(Error::Other(format!("{}: {message}", folder.display())));
     }
     let theirs = answer
-        .estimate(case.chosen.len())
+        .estimate(case.frame.receivers.len())
         .map_err(|message| Error::Other(format!("{}: {message}", folder.join(ANSWER).display())))?;
     let ours = case.truth(cache)?;
     let found = compare(&ours, &theirs);
@@ -58,7 +57,7 @@ pub fn cross_check(folder: &Path, store: &mut Store, cache: &Path) -> Result<Cro
         samples: [contents.check.samples, answer.samples],
         ours: case.keep(&ours, store)?,
         theirs: case.keep(&theirs, store)?,
-        receiver_p: store.write_picture(&Picture { layout: layout(&case.all), radiance, valid })?,
+        receiver_p: store.write_picture(&Picture { layout: case.spread.layout, radiance, valid })?,
         receivers: found.receivers,
         largest: Some(found.largest).filter(|largest| largest.is_finite()),
         family_p: found.family_p,
@@ -96,21 +95,20 @@ impl Answer {
 }
 
 impl Case {
-    /// Values of the chosen receivers among all of the frame.
+    /// Values of the chosen receivers in the picture's order.
     fn scatter<T: Copy + Default>(&self, values: &[T]) -> Vec<T> {
-        let mut all = vec![T::default(); self.all.len()];
-        self.chosen.iter().zip(values).for_each(|(place, value)| all[*place] = *value);
-        all
+        let mut values = values.iter().copied();
+        let value = |slot: &Option<usize>| slot.and_then(|_| values.next()).unwrap_or_default();
+        self.spread.slots.iter().map(value).collect()
     }
 
-    /// Which receivers were chosen.
     fn valid(&self) -> Vec<bool> {
-        self.scatter(&vec![true; self.chosen.len()])
+        self.spread.slots.iter().map(Option::is_some).collect()
     }
 
     fn keep(&self, estimate: &Estimate, store: &Store) -> Result<Key, Error> {
         Ok(store.write_reference(&ReferencePicture {
-            layout: layout(&self.all),
+            layout: self.spread.layout,
             mean: self.scatter(&estimate.mean),
             variance: self.scatter(&estimate.variance),
             samples: self.scatter(&estimate.samples),

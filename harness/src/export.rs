@@ -9,6 +9,7 @@ use crate::recorder::Recorder;
 use crate::{Error, probe};
 use halflight_contract::{Cache, Quantity};
 use halflight_references::{Estimate, Quality, Reference, ReferenceStore, Request, obtain};
+use halflight_results::Layout;
 use halflight_scenes::{Frame, Receivers, Scene};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
@@ -68,10 +69,8 @@ pub(crate) struct Case {
     pub(crate) scene: Scene,
     /// With the chosen receivers alone.
     pub(crate) frame: Frame,
-    /// All receivers of the frame.
-    pub(crate) all: Arc<Receivers>,
-    /// Which of them were chosen.
-    pub(crate) chosen: Vec<usize>,
+    /// Where they lie in a picture.
+    pub(crate) spread: Spread,
     quantity: Quantity,
     quality: Quality,
     seed: u64,
@@ -85,10 +84,10 @@ impl Case {
         let scene = halflight_scenes::find(&check.scene)?;
         probe::check_frame(&scene, check.frame)?;
         let frame = scene.frame(check.frame);
-        let all = frame.receivers.clone();
-        let chosen = spread(&all, check.receivers);
-        let frame = Frame { receivers: Arc::new(all.select(&chosen)), ..frame };
-        Ok(Case { scene, frame, all, chosen, quantity, quality, seed: check.seed })
+        let spread = Spread::of(&frame.receivers, check.receivers);
+        let chosen: Vec<usize> = spread.chosen().collect();
+        let frame = Frame { receivers: Arc::new(frame.receivers.select(&chosen)), ..frame };
+        Ok(Case { scene, frame, spread, quantity, quality, seed: check.seed })
     }
 
     /// The truth at the chosen receivers, made or taken from the cache.
@@ -106,11 +105,40 @@ impl Case {
     }
 }
 
-/// At most so many of the valid receivers.
-fn spread(receivers: &Receivers, most: usize) -> Vec<usize> {
-    let valid: Vec<usize> = (0..receivers.len()).filter(|i| receivers.valid[*i]).collect();
-    let count = valid.len().min(most);
-    (0..count).map(|i| valid[i * valid.len() / count]).collect()
+/// Some of a frame's receivers, spread evenly, with a layout of their own: of an image every so many pixels both ways.
+pub(crate) struct Spread {
+    pub(crate) layout: Layout,
+    /// Receivers in the order of the layout; none where they are not valid.
+    pub(crate) slots: Vec<Option<usize>>,
+}
+
+impl Spread {
+    /// At most so many valid ones; of an image at least one pixel is asked.
+    fn of(receivers: &Receivers, most: usize) -> Self {
+        let valid = |i: usize| receivers.valid[i].then_some(i);
+        match receivers.layout {
+            halflight_scenes::Layout::Image { width, height } => {
+                let grid = |step: usize| {
+                    let along = move |length: usize| ((step / 2).min(length - 1)..length).step_by(step);
+                    let slots = along(height).flat_map(|y| along(width).map(move |x| valid(y * width + x)));
+                    let layout = Layout::Image { width: along(width).count(), height: along(height).count() };
+                    Spread { layout, slots: slots.collect() }
+                };
+                let fits = |spread: &Spread| spread.chosen().count() <= most;
+                (1..width.max(height)).map(grid).find(fits).unwrap_or_else(|| grid(width.max(height)))
+            }
+            halflight_scenes::Layout::List => {
+                let valid: Vec<usize> = (0..receivers.len()).filter_map(valid).collect();
+                let count = valid.len().min(most);
+                let slots = (0..count).map(|i| Some(valid[i * valid.len() / count])).collect();
+                Spread { layout: Layout::List(count), slots }
+            }
+        }
+    }
+
+    fn chosen(&self) -> impl Iterator<Item = usize> {
+        self.slots.iter().copied().flatten()
+    }
 }
 
 /// A line a receiver: position, geometric and shading normal, albedo, truth and its standard error.

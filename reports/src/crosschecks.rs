@@ -49,7 +49,7 @@ fn figures(check: &CrossCheck) -> String {
         format!("{} and {} samples", count(ours.into()), count(theirs.into())),
         format!("largest |z| {}, p {}", record.largest.map_or("∞".into(), number), number(record.family_p)),
         format!(
-            "truth's excess {} ± {} %, p {}",
+            "truth's excess {}\u{a0}±\u{a0}{}\u{a0}%, p {}",
             percent(record.bias.iter().sum()),
             percent(record.bias_error.iter().sum()),
             number(record.bias_p)
@@ -60,8 +60,9 @@ fn figures(check: &CrossCheck) -> String {
         let below = tested.clone().filter(|(p, _)| p.x < RARE).count();
         100.0 * below as f64 / tested.count().max(1) as f64
     };
-    parts
-        .extend(check.receiver_p.as_ref().map(|map| format!("p below {RARE} at {} % of receivers", number(rare(map)))));
+    parts.extend(
+        check.receiver_p.as_ref().map(|map| format!("p below {RARE} at {}\u{a0}% of receivers", number(rare(map)))),
+    );
     parts.join(" · ")
 }
 

@@ -184,8 +184,8 @@ fn cross_checks_show_both_pictures_and_the_map_of_p() {
         "<b class=\"failed\">differs</b>",
         "largest |z| 2.25, p 0.375",
         "largest |z| ∞",
-        "truth's excess 0.200 ± 0.400 %, p 0.625",
-        "p below 0.05 at 25.0 % of receivers",
+        "truth's excess 0.200\u{a0}±\u{a0}0.400\u{a0}%, p 0.625",
+        "p below 0.05 at 25.0\u{a0}% of receivers",
     ] {
         assert!(html.contains(part), "{part}");
     }

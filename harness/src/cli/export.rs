@@ -22,7 +22,7 @@ pub(super) struct Export {
     /// Which light: direct, indirect-N by up to N bounces, total
     #[arg(long, default_value = "direct")]
     quantity: String,
-    /// Receivers to write with their truth, spread evenly over the scene's; all if it has fewer
+    /// At most so many receivers are written with their truth, spread evenly over the scene's: of a picture every so many pixels
     #[arg(long, value_name = "N", default_value_t = 2000)]
     receivers: usize,
     /// Samples of the truth at every receiver

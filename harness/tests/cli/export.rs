@@ -8,7 +8,7 @@ use std::process::Command;
 #[test]
 fn export_writes_blockers_lights_and_receivers_with_their_truth() {
     let bench = Bench::new();
-    bench.well("export --scene tiny.toml --to mitsuba --out mi --receivers 5 --samples 256");
+    bench.well("export --scene tiny.toml --to mitsuba --out mi --receivers 12 --samples 256");
     let read = |name: &str| std::fs::read_to_string(bench.path(&format!("mi/{name}"))).unwrap();
     let shapes = read("shapes.xml");
     assert!(
@@ -22,7 +22,11 @@ fn export_writes_blockers_lights_and_receivers_with_their_truth() {
     let receivers = read("receivers.csv");
     let lines: Vec<Vec<f32>> =
         receivers.lines().skip(1).map(|line| line.split(',').map(|number| number.parse().unwrap()).collect()).collect();
-    assert!(lines.len() == 5 && lines.iter().all(|line| line.len() == 18 && line[12] > 0.0), "{receivers}");
+    assert!(lines.len() == 12 && lines.iter().all(|line| line.len() == 18 && line[12] > 0.0), "{receivers}");
+    // Of 4 × 3 pixels every second one both ways.
+    bench.well("export --scene tiny.toml --to mitsuba --out mi --receivers 5 --samples 256");
+    let fewer: Vec<String> = read("receivers.csv").lines().skip(1).map(|line| line[..7].to_owned()).collect();
+    assert_eq!(fewer, ["-0.5,0,", "1.5,0,0"]);
 }
 
 /// The Python that `HALFLIGHT_PYTHON` names, or `python3` if that has Mitsuba.
