@@ -1,6 +1,6 @@
 //! The gate: what a run gave, held against what is known to be right.
 //!
-//! [`observe`] measures the pictures of a store, [`Baselines`] are such measurements as they were blessed, and [`compare`] says
+//! [`observe()`] measures the pictures of a store, [`Baselines`] are such measurements as they were blessed, and [`compare()`] says
 //! where the two differ. What can be compared depends on what is noisy:
 //!
 //! | what | how |

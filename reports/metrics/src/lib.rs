@@ -14,7 +14,7 @@
 //! | SSIM | Wang et al. 2004, on display luminance (see [`Exposure`]); images only |
 //! | FLIP | Andersson et al. 2020, on display colours (see [`Exposure`]); images only |
 //!
-//! [`difference()`] takes two pictures that may both be noisy, and tells how far apart they are without the noise. [`fingerprint`]
+//! [`difference()`] takes two pictures that may both be noisy, and tells how far apart they are without the noise. [`fingerprint()`]
 //! is what a picture is known by: means of blocks, small enough for a text file.
 //!
 //! SSIM and FLIP judge displayed pictures: both pictures are exposed alike, by the *reference's* exposure.
