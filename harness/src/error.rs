@@ -48,6 +48,16 @@ pub enum Error {
     /// References cannot be made or kept.
     #[error(transparent)]
     References(#[from] halflight_references::Error),
+    /// References that a gate stands on are not there.
+    #[error("{count} of {of} references are not there, expected all; `halflight refs build` makes them: {which}")]
+    MissingReferences {
+        /// How many.
+        count: usize,
+        /// Of how many.
+        of: usize,
+        /// Which, and what there is of them.
+        which: String,
+    },
     /// A file cannot be read.
     #[error("{path}: {source}")]
     Io {

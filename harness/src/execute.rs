@@ -151,9 +151,9 @@ fn footprint(method: &dyn Prepared) -> Vec<Storage> {
     entries.into_iter().map(storage).collect()
 }
 
-/// Runs work of a method and makes a panic an error. What the work had in hand is given up with it, so nothing half done is
+/// Runs work and makes a panic an error. What the work had in hand is given up with it, so nothing half done is
 /// seen afterwards.
-fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+pub(crate) fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
         Err(format!("panicked: {}", said.unwrap_or("without a message")))

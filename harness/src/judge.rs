@@ -7,7 +7,7 @@
 
 use crate::Error;
 use halflight_contract::{Params, Quantity};
-use halflight_references::Reference;
+use halflight_references::{Change, Reference};
 use halflight_scenes::Scene;
 
 /// References by bare name, and the method's parameters that complete them.
@@ -44,6 +44,12 @@ pub(crate) fn references(
         }
     }
     Ok(found)
+}
+
+/// The approximations that a method with these parameters shares with a reference, in the order of an error budget.
+pub(crate) fn shared(params: &Params) -> Vec<Change> {
+    let of = |(name, parameters): &(&str, &[&str])| Reference::parse(&with_parameters(name, parameters, params)?).ok();
+    MATCHED.iter().filter_map(of).flat_map(|reference| reference.changes().to_vec()).collect()
 }
 
 /// A name with the method's parameters, `None` if the method lacks one of them; and whether anything was completed.

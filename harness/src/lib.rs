@@ -9,7 +9,9 @@
 //! | plan | `plan.rs`, `judge.rs` | entries → cells, each run, cached or skipped with its reason |
 //! | execute | `execute.rs`, `recorder.rs` | cell → picture, times, counters, memory |
 //! | score | `score.rs` | picture and reference → error measures |
+//! | table | `table.rs` | a store → rows of a CSV or Parquet file |
 //! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
+//! | gate | `gate/` | what a store holds, against baselines |
 //!
 //! A cell is scene × method × parameters × backend × quantity × frame. Its key holds what decides its result and, since
 //! results carry times, where they were taken: another machine class (processor, threads, compiler, profile) runs cells anew.
@@ -29,30 +31,43 @@
 //! # }
 //! ```
 
+mod budget;
 pub mod cli;
 mod crosscheck;
 mod environment;
 mod error;
 mod execute;
 mod export;
+mod forecast;
+pub mod gate;
 mod judge;
 mod plan;
+mod priority;
 mod probe;
 mod progress;
 mod recorder;
+pub mod refs;
+mod rescore;
 mod run;
 mod score;
 mod select;
 mod settings;
 mod suite;
+mod table;
 
+pub use budget::{
+    budget,
+    chain::{Step, Walk, What, walk},
+};
 pub use crosscheck::{SIGNIFICANCE, cross_check};
 pub use environment::{cpu_features, environment};
 pub use error::Error;
 pub use export::{Check, export_to_mitsuba};
 pub use plan::{Group, Plan, Stage, State, Terms};
 pub use probe::{Answers, Question, Source, probe};
+pub use rescore::{Rescored, rescore};
 pub use run::{Options, Summary, run};
 pub use select::{DEFAULT_SUITE, Selection};
 pub use settings::Setting;
 pub use suite::{DEFAULT_REFERENCES, Entry, Suite};
+pub use table::{COLUMNS, Column, Table, Values};

@@ -13,8 +13,15 @@ use std::path::Path;
 pub enum Source {
     /// A method with its parameters.
     Method(&'static dyn Method, Params),
-    /// A reference with so many samples at every point.
-    Reference(Reference, u32),
+    /// A reference.
+    Reference {
+        /// Which.
+        reference: Reference,
+        /// Samples at every point.
+        samples: u32,
+        /// SH order in which visibility is asked for too; a method gives its own order's.
+        visibility: Option<u8>,
+    },
 }
 
 /// What is asked.
@@ -26,8 +33,6 @@ pub struct Question<'a> {
     pub frame: usize,
     /// Which light.
     pub quantity: Quantity,
-    /// SH order in which a reference is asked for visibility too; a method gives its own order's.
-    pub visibility: Option<u8>,
     /// Seed of everything random.
     pub seed: u64,
 }
@@ -54,13 +59,13 @@ impl Source {
         Ok(Source::Method(method, plan::single(method, set)?))
     }
 
-    /// A reference by id, with so many samples at every point.
+    /// A reference by id, with so many samples at every point, and visibility in an SH order.
     ///
     /// # Errors
     /// There is no such reference, or its quality cannot be met by that number.
-    pub fn reference(id: &str, samples: u32) -> Result<Self, Error> {
+    pub fn reference(id: &str, samples: u32, visibility: Option<u8>) -> Result<Self, Error> {
         Quality::fixed(samples).check()?;
-        Ok(Source::Reference(judge::parse(id)?, samples))
+        Ok(Source::Reference { reference: judge::parse(id)?, samples, visibility })
     }
 }
 
@@ -72,7 +77,9 @@ pub fn probe(question: &Question<'_>, source: &Source, cache: &Path) -> Result<A
     check_frame(question.scene, question.frame)?;
     match source {
         Source::Method(method, params) => of_method(question, *method, params, cache),
-        Source::Reference(reference, samples) => of_reference(question, reference, &Quality::fixed(*samples), cache),
+        Source::Reference { reference, samples, visibility } => {
+            of_reference(question, reference, &Quality::fixed(*samples), *visibility, cache)
+        }
     }
 }
 
@@ -124,6 +131,7 @@ fn of_reference(
     question: &Question<'_>,
     reference: &Reference,
     quality: &Quality,
+    visibility: Option<u8>,
     cache: &Path,
 ) -> Result<Answers, Error> {
     let Question { scene, quantity, seed, .. } = *question;
@@ -137,7 +145,7 @@ fn of_reference(
     let request = halflight_references::Request { reference, quantity, scene, frame, quality, seed };
     let (estimate, _, _) = obtain(&store, &request, &derived, &mut meter)?;
     let standard_error = Some(estimate.standard_error());
-    let visibility = question.visibility.map(|order| {
+    let visibility = visibility.map(|order| {
         let request = halflight_references::Request { quantity: Quantity::Visibility { order }, ..request };
         halflight_references::visibility(&request, &derived, &mut meter)
     });

@@ -1,9 +1,14 @@
 //! Carrying out a plan: the cells that are not in the store, then the scores that are not. Every result is in the store as
 //! soon as it is there; what fails is a line too, and the rest goes on.
+//!
+//! Several processes on one store share the work: each claims the cell or reference that it is about to make, and leaves
+//! what another has claimed for last.
 
 use crate::Error;
 use crate::execute::{Runner, Shaded, Task};
+use crate::forecast::Forecast;
 use crate::plan::{Group, Plan, Stage, State};
+use crate::priority;
 use crate::progress::Progress;
 use crate::recorder::Recorder;
 use crate::score::{self, Judgement, With};
@@ -12,6 +17,7 @@ use halflight_references::{Quality, ReferenceStore, Request};
 use halflight_results::{Cell, Environment, Failure, Key, Record, Run, Skip, Store, StoreError};
 use halflight_scenes::{Frame, Scene};
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 /// How a plan is carried out; none of it is part of a cell's key.
 #[derive(Clone, Debug)]
@@ -24,12 +30,24 @@ pub struct Options {
     pub quality: Quality,
     /// Whether progress is shown on standard error.
     pub show_progress: bool,
+    /// Wall time to spend; none for all of the plan. With a budget, the settings that say most come first, and one is not
+    /// begun where the time that it may take, by what the store tells, is more than is left.
+    pub budget: Option<Duration>,
 }
 
 impl Options {
-    /// Five repeats, references of the default quality, progress shown.
+    /// Timed evaluations a cell where nothing else is said.
+    pub const REPEATS: usize = 5;
+
+    /// Five repeats, references of the default quality, progress shown, no budget.
     pub fn new(cache: impl Into<PathBuf>) -> Self {
-        Self { cache: cache.into(), repeats: 5, quality: Quality::default(), show_progress: true }
+        Self {
+            cache: cache.into(),
+            repeats: Self::REPEATS,
+            quality: Quality::default(),
+            show_progress: true,
+            budget: None,
+        }
     }
 }
 
@@ -52,6 +70,8 @@ pub struct Summary {
     pub unjudged: usize,
     /// Lines that were added to the store.
     pub lines: usize,
+    /// Cells that were left out since the budget did not allow for them.
+    pub left_out: usize,
 }
 
 /// Carries out a plan.
@@ -59,14 +79,22 @@ pub struct Summary {
 /// # Errors
 /// The store or the cache cannot be written. Nothing else stops a run: a failing cell is a failure line and a count.
 pub fn run(plan: &Plan, store: &mut Store, options: &Options) -> Result<Summary, Error> {
-    let scenes: Vec<Todo> = (0..plan.scenes.len()).map(|scene| Todo::new(plan, scene, store, options)).collect();
+    let started = Instant::now();
+    let of_scene = |scene: usize| plan.groups.iter().filter(move |group| group.scene == scene);
+    let scenes: Vec<Todo<'_>> =
+        (0..plan.scenes.len()).map(|scene| Todo::new(plan, scene, of_scene(scene), store, options)).collect();
     let steps = scenes.iter().map(|todo| todo.cells.len() + todo.judgements.len()).sum();
     let references = ReferenceStore::open(options.cache.join("references"))?;
     let progress = if options.show_progress { Progress::new(steps) } else { Progress::silent() };
     let environment = crate::environment();
-    let mut running = Running { plan, store, options, references, environment, progress, summary: Summary::default() };
-    for todo in &scenes {
-        running.scene(todo)?;
+    let forecast = Forecast::new(store, &environment, options.repeats);
+    let left = scenes.iter().flat_map(|todo| &todo.cells).map(|(_, cell)| *cell).collect();
+    let summary = Summary::default();
+    let mut running = Running { plan, store, options, references, environment, progress, forecast, left, summary };
+    running.tell_expected();
+    match options.budget {
+        None => scenes.iter().try_for_each(|todo| running.scene(todo))?,
+        Some(budget) => running.within(budget, started)?,
     }
     Ok(running.summary)
 }
@@ -84,11 +112,18 @@ struct Todo<'p> {
 }
 
 impl<'p> Todo<'p> {
-    fn new(plan: &'p Plan, index: usize, store: &Store, options: &Options) -> Self {
+    /// Of these groups, all on the scene of this index.
+    fn new(
+        plan: &'p Plan,
+        index: usize,
+        groups: impl Iterator<Item = &'p Group>,
+        store: &Store,
+        options: &Options,
+    ) -> Self {
         let Stage { scene, frames } = &plan.scenes[index];
         let (cells, skipped, judgements) = (Vec::new(), Vec::new(), Vec::new());
         let mut todo = Self { scene, frames, cells, skipped, cached: 0, judgements };
-        for (group, cell) in plan.cells().filter(|(group, _)| group.scene == index) {
+        for (group, cell) in groups.flat_map(|group| group.cells.iter().map(move |cell| (group, cell))) {
             match group.state(cell, store) {
                 State::Run => todo.cells.push((group, cell)),
                 State::Cached => todo.cached += 1,
@@ -100,6 +135,10 @@ impl<'p> Todo<'p> {
             todo.judge(group, cell, plan.seed, store, &options.quality);
         }
         todo
+    }
+
+    fn is_work(&self) -> bool {
+        !self.cells.is_empty() || !self.judgements.is_empty()
     }
 
     /// Notes the references that a cell lacks a score against.
@@ -137,23 +176,62 @@ struct Running<'r> {
     references: ReferenceStore,
     environment: Environment,
     progress: Progress,
+    forecast: Forecast,
+    /// Cells that are still to be run.
+    left: Vec<&'r Cell>,
     summary: Summary,
 }
 
-impl Running<'_> {
-    fn scene(&mut self, todo: &Todo<'_>) -> Result<(), StoreError> {
+impl<'r> Running<'r> {
+    /// Runs what says most until the time is over.
+    fn within(&mut self, budget: Duration, started: Instant) -> Result<(), StoreError> {
+        let (plan, options) = (self.plan, self.options);
+        for group in priority::order(plan, self.store) {
+            let todo = Todo::new(plan, group.scene, std::iter::once(group), self.store, options);
+            // What has run by now tells of the rest.
+            self.forecast = Forecast::new(self.store, &self.environment, options.repeats);
+            let expected = self.forecast.sum(todo.cells.iter().map(|(_, cell)| *cell)).seconds;
+            let over = started.elapsed().as_secs_f64() + expected > budget.as_secs_f64();
+            if over && todo.is_work() {
+                self.summary.cached += todo.cached;
+                self.summary.left_out += todo.cells.len();
+                self.progress.note(&format!("{}: left out, over the budget", group.label(plan)));
+            } else {
+                self.scene(&todo)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn scene(&mut self, todo: &Todo<'r>) -> Result<(), StoreError> {
+        self.store.refresh()?;
         self.summary.cached += todo.cached;
         for (cell, reason) in &todo.skipped {
             self.skip(cell, reason)?;
         }
         // Of this scene alone: its derived data are let go when it is done. What is costly lies in the folder.
         let cache = Cache::in_folder(&self.options.cache.join("derived"));
+        let mut elsewhere = Vec::new();
         for cells in todo.cells.chunk_by(|(a, _), (b, _)| std::ptr::eq(*a, *b)) {
-            self.group(todo, cells, &cache)?;
+            elsewhere.extend(self.group(todo, cells, &cache, false)?);
+        }
+        for cells in elsewhere.chunk_by(|(a, _), (b, _)| std::ptr::eq(*a, *b)) {
+            self.group(todo, cells, &cache, true)?;
         }
         let (references, quality) = (self.references.clone(), &self.options.quality);
         let with = With { references: &references, quality, seed: self.plan.seed, cache: &cache };
-        todo.judgements.iter().try_for_each(|judgement| self.judge(todo, judgement, &with))
+        let mut elsewhere = Vec::new();
+        for judgement in &todo.judgements {
+            match self.store.try_claim(&judgement.key)? {
+                Some(_claim) => self.judge(todo, judgement, &with)?,
+                None => elsewhere.push(judgement),
+            }
+        }
+        for judgement in elsewhere {
+            let _claim = self.store.claim(&judgement.key)?;
+            self.judge(todo, judgement, &with)?;
+        }
+        Ok(())
     }
 
     fn skip(&mut self, cell: &Cell, reason: &str) -> Result<(), StoreError> {
@@ -162,9 +240,16 @@ impl Running<'_> {
         if self.store.outcome(&cell.key()) == Some(&record) { Ok(()) } else { self.append(record) }
     }
 
-    /// Runs cells that share one `prepare`.
-    fn group(&mut self, todo: &Todo<'_>, cells: &[(&Group, &Cell)], cache: &Cache) -> Result<(), StoreError> {
-        let Some((group, _)) = cells.first() else { return Ok(()) };
+    /// Runs cells that share one `prepare`, and returns those that another process runs unless `waiting` for it.
+    fn group<'p>(
+        &mut self,
+        todo: &Todo<'_>,
+        cells: &[(&'p Group, &'p Cell)],
+        cache: &Cache,
+        waiting: bool,
+    ) -> Result<Vec<(&'p Group, &'p Cell)>, StoreError> {
+        let mut elsewhere = Vec::new();
+        let Some((group, _)) = cells.first() else { return Ok(elsewhere) };
         let mut runner = Runner::new(Task {
             scene: todo.scene,
             method: group.method,
@@ -175,17 +260,32 @@ impl Running<'_> {
             repeats: self.options.repeats,
             cache,
         });
-        for (_, cell) in cells {
+        for &(group, cell) in cells {
+            let key = cell.key();
+            let claim = if waiting { Some(self.store.claim(&key)?) } else { self.store.try_claim(&key)? };
+            let Some(_claim) = claim else {
+                elsewhere.push((group, cell));
+                continue;
+            };
+            self.left.retain(|left| !std::ptr::eq(*left, cell));
+            self.store.refresh()?;
+            if group.state(cell, self.store) == State::Cached {
+                self.summary.cached += 1;
+                self.progress.pass();
+                continue;
+            }
             let mut label = group.label(self.plan);
             if todo.frames.len() > 1 {
                 label = format!("{label} frame {}", cell.frame);
             }
             let frame = &todo.frames[cell.frame as usize];
-            self.progress.begin(&label);
-            let shaded = runner.shade(frame, &mut |what, done, total| self.progress.within(&label, what, done, total));
+            let left = self.forecast.sum(self.left.iter().copied());
+            let shown = if left.seconds > 0.0 { format!("{label} · then {left}") } else { label.clone() };
+            self.progress.begin(&shown);
+            let shaded = runner.shade(frame, &mut |what, done, total| self.progress.within(&shown, what, done, total));
             self.finish(group, cell, frame, shaded, &label)?;
         }
-        Ok(())
+        Ok(elsewhere)
     }
 
     fn finish(
@@ -228,6 +328,7 @@ impl Running<'_> {
     fn judge(&mut self, todo: &Todo<'_>, judgement: &Judgement, with: &With<'_>) -> Result<(), StoreError> {
         let label = format!("{} · {}", todo.scene.name, judgement.reference.id());
         self.progress.begin(&label);
+        self.store.refresh()?;
         let cells = judgement.waiting(self.store);
         if cells.is_empty() {
             self.progress.pass();
@@ -245,7 +346,8 @@ impl Running<'_> {
         };
         self.summary.references_made += usize::from(judge.made);
         for cell in cells {
-            match judgement.score(cell, self.store, &judge) {
+            let Some(run) = self.store.run(cell) else { continue };
+            match score::score(run, &judgement.reference.id(), &judgement.key, self.store, &judge) {
                 Ok(score) => {
                     self.summary.scored += 1;
                     self.append(Record::Score(score))?;
@@ -260,6 +362,14 @@ impl Running<'_> {
         Ok(())
     }
 
+    /// Says before the work how long it may take, where earlier runs tell.
+    fn tell_expected(&self) {
+        let expected = self.forecast.sum(self.left.iter().copied());
+        if expected.seconds > 0.0 {
+            self.progress.note(&format!("{} cells to run: {expected}, by earlier runs", self.left.len()));
+        }
+    }
+
     fn append(&mut self, record: Record) -> Result<(), StoreError> {
         self.summary.lines += 1;
         self.store.append(record)
@@ -267,6 +377,6 @@ impl Running<'_> {
 }
 
 /// A reference's key as results write it.
-fn reference_key(key: &str) -> Key {
+pub(crate) fn reference_key(key: &str) -> Key {
     Key::try_from(key.to_owned()).unwrap_or_else(|_| Key::of_bytes(key.as_bytes()))
 }

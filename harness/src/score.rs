@@ -3,7 +3,7 @@
 use halflight_contract::{Cache, Meter, Quantity};
 use halflight_metrics::VERSION;
 use halflight_references::{Quality, Reference, ReferenceStore, Request, obtain};
-use halflight_results::{Key, Layout, Picture, ReferencePicture, Score, Store, StoreError};
+use halflight_results::{Key, Layout, Picture, ReferencePicture, Run, Score, Store, StoreError};
 use halflight_scenes::{Frame, Receivers, Scene};
 
 /// A reference of a quantity on one frame, and the cells that lack a score against it.
@@ -61,28 +61,35 @@ impl Judgement {
         let image = store.write_reference(&picture).map_err(|e| e.to_string())?;
         Ok(Judge { image, picture, made })
     }
+}
 
-    /// The score of one cell's picture.
-    pub(crate) fn score(&self, cell: &Key, store: &Store, judge: &Judge) -> Result<Score, String> {
-        let Some(image) = store.run(cell).and_then(|run| run.image.clone()) else {
-            return Err(format!("cell {}: expected a run with a picture", cell.short()));
-        };
-        let picture = store.read_picture(&image).map_err(|e| e.to_string())?;
-        let standard_error = judge.picture.standard_error();
-        let scores = halflight_metrics::compare(&view(&picture), &view(&judge.picture.picture()), &standard_error);
-        let scores = scores.map_err(|e| e.to_string())?;
-        Ok(Score {
-            run: cell.clone(),
-            image,
-            reference: self.reference.id(),
-            reference_key: self.key.clone(),
-            reference_image: judge.image.clone(),
-            metrics: VERSION,
-            receivers: scores.receivers,
-            resolved: scores.resolved,
-            measures: scores.measures().map(|(name, value)| (name.to_owned(), value)).collect(),
-        })
-    }
+/// The score of a run's picture against a reference of this id and key.
+pub(crate) fn score(
+    run: &Run,
+    reference: &str,
+    reference_key: &Key,
+    store: &Store,
+    judge: &Judge,
+) -> Result<Score, String> {
+    let cell = run.cell.key();
+    let Some(image) = run.image.clone() else {
+        return Err(format!("cell {}: expected a run with a picture", cell.short()));
+    };
+    let picture = store.read_picture(&image).map_err(|e| e.to_string())?;
+    let standard_error = judge.picture.standard_error();
+    let scores = halflight_metrics::compare(&view(&picture), &view(&judge.picture.picture()), &standard_error);
+    let scores = scores.map_err(|e| e.to_string())?;
+    Ok(Score {
+        run: cell,
+        image,
+        reference: reference.to_owned(),
+        reference_key: reference_key.clone(),
+        reference_image: judge.image.clone(),
+        metrics: VERSION,
+        receivers: scores.receivers,
+        resolved: scores.resolved,
+        measures: scores.measures().map(|(name, value)| (name.to_owned(), value)).collect(),
+    })
 }
 
 /// What references are made with.

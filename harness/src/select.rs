@@ -31,13 +31,17 @@ impl Selection {
     /// # Errors
     /// There is no such suite, or its file is wrong. Names of scenes and methods are checked when they are planned.
     pub fn entries(&self) -> Result<Vec<Entry>, Error> {
-        let lists = [&self.scenes, &self.methods, &self.references, &self.quantities];
-        let nothing = self.set.is_empty() && lists.iter().all(|list| list.is_empty());
         match &self.suite {
             Some(suite) => Ok(Suite::find(suite)?.entries),
-            None if nothing => Ok(Suite::find(DEFAULT_SUITE)?.entries),
+            None if self.names_nothing() => Ok(Suite::find(DEFAULT_SUITE)?.entries),
             None => Ok(vec![self.entry()]),
         }
+    }
+
+    /// Whether neither a suite nor any part of a selection is named.
+    pub fn names_nothing(&self) -> bool {
+        let lists = [&self.scenes, &self.methods, &self.references, &self.quantities];
+        self.suite.is_none() && self.set.is_empty() && lists.iter().all(|list| list.is_empty())
     }
 
     fn entry(&self) -> Entry {

@@ -51,7 +51,8 @@ pub struct Entry {
 }
 
 /// The suites that come with the program.
-pub(crate) const SHIPPED: [(&str, &str); 1] = [("quick", include_str!("../suites/quick.toml"))];
+pub(crate) const SHIPPED: [(&str, &str); 2] =
+    [("quick", include_str!("../suites/quick.toml")), ("gate", include_str!("../suites/gate.toml"))];
 
 impl Suite {
     /// A shipped suite by name, or the suite in the file of this path.

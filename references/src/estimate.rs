@@ -70,34 +70,8 @@ const LEVEL_RECEIVERS: usize = 256;
 /// # Errors
 /// As [`Request::check`], derived data that cannot be made, or [`halflight_contract::Error::Cancelled`].
 pub fn estimate(request: &Request<'_>, cache: &Cache, meter: &mut dyn Meter) -> Result<Estimate> {
-    estimate_onwards(request, Estimate::default(), &mut |_, _| Ok(()), cache, meter)
-}
-
-/// The estimate, given what there is of it. Whatever is added is told at once, with the number of receivers before it.
-pub(crate) fn estimate_onwards(
-    request: &Request<'_>,
-    begun: Estimate,
-    keep: &mut dyn FnMut(&Estimate, usize) -> Result<()>,
-    cache: &Cache,
-    meter: &mut dyn Meter,
-) -> Result<Estimate> {
-    request.check()?;
-    if let Quantity::Visibility { .. } = request.quantity {
-        return Err(request.not_served("visibility is no radiance, expected a call of `visibility`".into()));
-    }
-    let traced = Arc::new(Traced::new(request.scene, request.frame, request.reference));
-    let emitters = Arc::new(Emitters::new(&traced));
-    let sampler = Sampler {
-        target: f64::from(request.quality.standard_error) * level(request, &emitters),
-        transport: transport(request, &traced, &emitters, cache, meter)?,
-        quality: request.quality,
-        // References of one seed must not share their errors: they are subtracted from one another.
-        seed: [request.reference.id(), request.quantity.to_string()]
-            .iter()
-            .flat_map(|id| id.bytes())
-            .fold(request.seed, |seed, byte| mix(seed, u64::from(byte))),
-    };
-    timed(meter, "references", |meter| sampler.all(request.frame, begun, keep, meter))
+    let sampler = Sampler::new(request, cache, meter)?;
+    sampler.all(request.frame, Estimate::default(), &mut |_, _| Ok(()), meter)
 }
 
 /// What blocks the light of a reference.
@@ -194,16 +168,53 @@ fn level(request: &Request<'_>, emitters: &Emitters) -> f64 {
     distant + emitted / some.len().max(1) as f64
 }
 
-struct Sampler<'q> {
+/// All that receivers are sampled with.
+pub(crate) struct Sampler<'q> {
     transport: Transport,
     quality: &'q Quality,
+    /// What standard errors are relative to, radiance for albedo 1.
+    pub(crate) level: f64,
     /// Absolute standard error for albedo 1.
     target: f64,
     seed: u64,
 }
 
-impl Sampler<'_> {
-    fn all(
+impl<'q> Sampler<'q> {
+    /// Makes what a request needs before the first sample.
+    pub(crate) fn new(request: &Request<'q>, cache: &Cache, meter: &mut dyn Meter) -> Result<Self> {
+        request.check()?;
+        if let Quantity::Visibility { .. } = request.quantity {
+            return Err(request.not_served("visibility is no radiance, expected a call of `visibility`".into()));
+        }
+        let traced = Arc::new(Traced::new(request.scene, request.frame, request.reference));
+        let emitters = Arc::new(Emitters::new(&traced));
+        let level = level(request, &emitters);
+        Ok(Sampler {
+            transport: transport(request, &traced, &emitters, cache, meter)?,
+            quality: request.quality,
+            level,
+            target: f64::from(request.quality.standard_error) * level,
+            // References of one seed must not share their errors: they are subtracted from one another.
+            seed: [request.reference.id(), request.quantity.to_string()]
+                .iter()
+                .flat_map(|id| id.bytes())
+                .fold(request.seed, |seed, byte| mix(seed, u64::from(byte))),
+        })
+    }
+
+    /// The estimate at every receiver, given what there is of it. Whatever is added is told at once, with the number of
+    /// receivers before it.
+    pub(crate) fn all(
+        &self,
+        frame: &Frame,
+        begun: Estimate,
+        keep: &mut dyn FnMut(&Estimate, usize) -> Result<()>,
+        meter: &mut dyn Meter,
+    ) -> Result<Estimate> {
+        timed(meter, "references", |meter| self.onwards(frame, begun, keep, meter))
+    }
+
+    fn onwards(
         &self,
         frame: &Frame,
         begun: Estimate,

@@ -24,6 +24,7 @@ pub mod horizon;
 mod kind;
 mod partial;
 mod pixels;
+mod provenance;
 mod quality;
 mod receiver;
 mod request;
@@ -39,9 +40,10 @@ pub use coefficients::{VisibilityEstimate, visibility};
 pub use error::{Error, Result};
 pub use estimate::{Estimate, estimate};
 pub use kind::{Change, Kind, ParseError, Reference};
+pub use provenance::{Achieved, Provenance};
 pub use quality::Quality;
 pub use request::Request;
-pub use store::{ReferenceStore, obtain};
+pub use store::{Entry, ReferenceStore, State, obtain};
 
 /// Revision of everything that a reference is computed with: a hash of the sources of this crate and of those below it.
 pub const REVISION: &str = env!("HALFLIGHT_REFERENCES_REVISION");

@@ -1,4 +1,4 @@
-//! Estimates as OpenEXR pictures: channels `mean.*`, `variance.*` and `samples`, provenance in the comments.
+//! Estimates as OpenEXR pictures: channels `mean.*`, `variance.*` and `samples`, provenance (JSON) in the comments.
 
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
@@ -7,13 +7,17 @@ use exr::prelude::{
 use halflight_scenes::{Layout, Rgb};
 use std::io::Cursor;
 
-use crate::Estimate;
+use crate::{Estimate, Provenance};
 
 const COLOURS: [&str; 3] = ["R", "G", "B"];
 const BATCHES: &str = "batches";
 
-/// The bytes of a picture; `notes` (ASCII) become its comments. A layout that does not fit the receivers is taken for a list.
-pub(crate) fn encode(estimate: &Estimate, layout: Layout, notes: &str) -> Result<Vec<u8>, exr::error::Error> {
+/// The bytes of a picture with its provenance. A layout that does not fit the receivers is taken for a list.
+pub(crate) fn encode(
+    estimate: &Estimate,
+    layout: Layout,
+    provenance: &Provenance,
+) -> Result<Vec<u8>, exr::error::Error> {
     let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
     for (name, values) in [("mean", &estimate.mean), ("variance", &estimate.variance)] {
         for (i, colour) in COLOURS.iter().enumerate() {
@@ -26,7 +30,7 @@ pub(crate) fn encode(estimate: &Estimate, layout: Layout, notes: &str) -> Result
     let mut attributes = LayerAttributes::default();
     // The only one of its kind: several would be written in random order, and equal estimates as different bytes.
     attributes.other.insert(text(BATCHES), AttributeValue::I32(estimate.batches as i32));
-    attributes.comments = Some(text(notes));
+    attributes.comments = Some(text(&provenance.to_ascii()));
     let size = size(layout, estimate.mean.len());
     let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, AnyChannels::sort(channels));
     let mut bytes = Cursor::new(Vec::new());
@@ -34,8 +38,8 @@ pub(crate) fn encode(estimate: &Estimate, layout: Layout, notes: &str) -> Result
     Ok(bytes.into_inner())
 }
 
-/// The estimate in a picture of [`encode`]; `None` for any other.
-pub(crate) fn decode(bytes: &[u8]) -> Option<Estimate> {
+/// The estimate in a picture of [`encode`], with its provenance; `None` for any other.
+pub(crate) fn decode(bytes: &[u8]) -> Option<(Estimate, Provenance)> {
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -62,7 +66,8 @@ pub(crate) fn decode(bytes: &[u8]) -> Option<Estimate> {
         AttributeValue::I32(batches) => u32::try_from(*batches).ok()?,
         _ => return None,
     };
-    Some(Estimate { mean: colours("mean")?, variance: colours("variance")?, samples, batches })
+    let provenance = Provenance::read(&image.layer_data.attributes.comments.as_ref()?.to_string())?;
+    Some((Estimate { mean: colours("mean")?, variance: colours("variance")?, samples, batches }, provenance))
 }
 
 fn size(layout: Layout, receivers: usize) -> (usize, usize) {

@@ -5,7 +5,7 @@ use crate::{Error, Result};
 /// When a receiver has enough samples.
 ///
 /// Counts are rounded to what the sampler can do: powers of two a batch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Quality {
     /// Target for a receiver's standard error: RMS over the colour channels, of what it would reflect with albedo 1, relative
     /// to the scene's mean level `1/4π ∫ L dω` (mean over the sphere and the channels). 0 takes `max_samples` everywhere.
@@ -22,7 +22,7 @@ impl Default for Quality {
     /// What pictures need: errors far below those of low-frequency methods, quick enough to wait for. Single z-scores of so few
     /// samples are skewed: tests of significance want [`Quality::fixed`].
     fn default() -> Self {
-        Quality { standard_error: 0.015, min_samples: 64, max_samples: 1024, batches: 16 }
+        Quality { standard_error: 0.015, min_samples: 64, max_samples: 4096, batches: 16 }
     }
 }
 

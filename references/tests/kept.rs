@@ -6,7 +6,7 @@ use std::fs;
 
 use glam::{Quat, Vec3};
 use halflight_contract::{Cache, Flow, Meter, NoMeter, Quantity};
-use halflight_references::{Error, Estimate, Quality, Reference, ReferenceStore, Request, obtain};
+use halflight_references::{Error, Estimate, Provenance, Quality, Reference, ReferenceStore, Request, State, obtain};
 use halflight_scenes::{Pose, Rgb, Scene};
 use support::*;
 
@@ -54,6 +54,43 @@ fn what_was_made_is_kept_and_what_is_damaged_is_made_again() {
     assert_eq!(take(&store, &scene), (made.clone(), key.clone(), true));
     assert!(fs::read(&path).expect("the file") == whole, "equal estimates are equal bytes");
     assert_eq!(fs::read_dir(path.parent().expect("a folder")).expect("listed").count(), 1, "no partial file stays");
+}
+
+#[test]
+fn a_file_says_where_it_comes_from_and_how_good_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = ReferenceStore::open(folder.path()).expect("a store");
+    let mut scene = small();
+    scene.objects[1].albedo = Rgb::new(0.5, 0.25, 0.0);
+    let (made, key, _) = take(&store, &scene);
+    let (_, provenance) = store.get_with_provenance(&key).expect("kept");
+    assert_eq!((provenance.reference.as_str(), provenance.scene.as_str()), ("truth", scene.name.as_str()));
+    assert_eq!((provenance.receivers, provenance.quality, provenance.seed), (40, QUALITY, 3));
+    let achieved = provenance.achieved.expect("it is whole");
+    assert_eq!(achieved.samples, made.samples.iter().map(|n| u64::from(*n)).sum::<u64>());
+    assert_eq!(achieved.sampled, 40);
+    // Points have albedo 1, and the sky's mean radiance is 1.
+    let variance: f64 = made.variance.iter().map(|v| f64::from(v.element_sum()) / 3.0).sum::<f64>() / 40.0;
+    assert!((achieved.level - 1.0).abs() < 1e-6, "{achieved:?}");
+    assert!((achieved.standard_error - variance.sqrt()).abs() < 1e-9, "{achieved:?}");
+    let above = made.variance.iter().filter(|v| (v.element_sum() / 3.0).sqrt() > 0.05).count();
+    assert_eq!(achieved.above_target, above);
+    let entries = store.entries().expect("listed");
+    assert_eq!((entries.len(), &entries[0].state), (1, &State::Whole(provenance)));
+}
+
+#[test]
+fn two_who_want_the_same_make_it_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = ReferenceStore::open(folder.path()).expect("a store");
+    let scene = small();
+    let all: Vec<_> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| take(&store, &scene))).collect();
+        threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+    });
+    assert_eq!(all.iter().filter(|(_, _, made)| *made).count(), 1);
+    assert!(all.iter().all(|(estimate, _, _)| *estimate == all[0].0));
+    assert_eq!(store.entries().expect("listed").len(), 1);
 }
 
 #[test]
@@ -133,9 +170,24 @@ fn odd_numbers_of_receivers_and_colours_survive() {
         batches: 16,
     };
     let layout = halflight_scenes::Layout::List;
-    store.put("odd", &estimate, layout, "a note").expect("kept");
-    assert_eq!(store.get("odd"), Some(estimate));
+    let provenance = Provenance {
+        key: "odd".into(),
+        revision: "old".into(),
+        reference: "truth".into(),
+        quantity: "direct".into(),
+        scene: "Ünder".into(),
+        frame: 0,
+        receivers: 3,
+        seed: 1,
+        quality: QUALITY,
+        achieved: None,
+    };
+    store.put(&estimate, layout, &provenance).expect("kept");
+    assert_eq!(store.get_with_provenance("odd"), Some((estimate, provenance.clone())));
     assert_eq!(store.get("even"), None);
+    fs::rename(store.path("odd"), store.path("even")).expect("renamed");
+    assert_eq!(store.get("even"), None, "one estimate was taken for another");
+    assert_eq!(store.state("even"), Some(State::Damaged));
 }
 
 /// Cancels at a report.
@@ -180,6 +232,15 @@ fn what_was_broken_off_goes_on_to_the_same_bits() {
     assert!(take_with(&store, &scene, &mut Impatient(3)).is_err());
     let begun = folder.path().join(format!("{key}.begun"));
     let bytes = fs::read(&begun).expect("what was done");
+    let Some(State::Begun { provenance, done, in_use: false }) = store.state(&key) else { panic!("it was begun") };
+    assert!((256..3000).contains(&done) && provenance.receivers == 3000 && provenance.key == key);
+    // What someone works on is known, and waited for until the meter loses its patience.
+    let held = fs::File::open(&begun).expect("the file");
+    held.lock().expect("locked");
+    assert!(matches!(store.state(&key), Some(State::Begun { in_use: true, .. })));
+    assert!(take_with(&store, &scene, &mut Impatient(2)).is_err());
+    drop(held);
+    assert!(fs::read(&begun).expect("the file") == bytes, "it was written to while in use");
     for spoil in ["nothing", "cut", "changed", "more"] {
         let mut spoilt = bytes.clone();
         match spoil {

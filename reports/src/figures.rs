@@ -129,17 +129,7 @@ impl Gallery<'_> {
     }
 
     fn legend(&self) -> String {
-        let stops: Vec<String> = DIVERGING.iter().map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
-        let scale = number(self.scale);
-        format!(
-            "<p class=\"legend\">One exposure for all pictures: radiance × {} (the 99th percentile of {} becomes white), \
-             sRGB. Signed luminance error, one scale for all: <span class=\"scale\"><span>−{scale} too dark</span>\
-             <span class=\"bar\" style=\"background:linear-gradient(to right,{})\"></span><span>+{scale} too bright</span>\
-             </span> (clipped beyond). Hatched: no receiver.</p>",
-            number(f64::from(self.exposure.scale)),
-            escape(self.reference),
-            stops.join(","),
-        )
+        legend(self.exposure, self.reference, "luminance error", ["too dark", "too bright"], self.scale)
     }
 
     /// Two pictures over each other with a divider to drag, and a button that flips between them.
@@ -176,6 +166,21 @@ impl Gallery<'_> {
         }
         html + "</select>"
     }
+}
+
+/// How pictures are exposed, by which reference, and the colours of signed differences up to a scale.
+pub(crate) fn legend(exposure: Exposure, reference: &str, what: &str, [below, above]: [&str; 2], scale: f64) -> String {
+    let stops: Vec<String> = DIVERGING.iter().map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
+    let scale = number(scale);
+    format!(
+        "<p class=\"legend\">One exposure for all pictures: radiance × {} (the 99th percentile of {} becomes white), \
+         sRGB. Signed {what}, one scale for all: <span class=\"scale\"><span>−{scale} {below}</span>\
+         <span class=\"bar\" style=\"background:linear-gradient(to right,{})\"></span><span>+{scale} {above}</span>\
+         </span> (clipped beyond). Hatched: no receiver.</p>",
+        number(f64::from(exposure.scale)),
+        escape(reference),
+        stops.join(","),
+    )
 }
 
 /// How many receivers lay outside the method's domain.

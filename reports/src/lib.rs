@@ -12,6 +12,7 @@
 //! # }
 //! ```
 
+mod budget;
 mod chip;
 mod collect;
 mod crosschecks;
@@ -25,5 +26,6 @@ mod report;
 mod summary;
 mod tables;
 
+pub use budget::{Budget, BudgetStep};
 pub use collect::build;
 pub use report::{Absent, CrossCheck, Reference, Report, ReportError, Row, Scene};

@@ -17,27 +17,35 @@ pub(crate) fn html(report: &Report) -> Result<String, ReportError> {
     for section in 0..report.scenes.len() {
         sections += &scene(report, section)?;
     }
-    let title = escape(&report.title);
-    Ok([
+    let body = [
+        header(report),
+        warnings(report),
+        GUIDE.to_owned(),
+        "<h2 id=\"summary\">Summary</h2>".to_owned(),
+        summary(report),
+        sections,
+        crosschecks::section(&report.cross_checks)?,
+        absent(report),
+        "<h2>Settings in full</h2>".to_owned(),
+        tables::settings(report),
+    ];
+    Ok(shell(&report.title, &body.concat(), SCRIPT))
+}
+
+/// A page that stands by itself.
+pub(crate) fn shell(title: &str, body: &str, script: &str) -> String {
+    let title = escape(title);
+    [
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">",
         "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">",
         // Nothing may be loaded, whatever a name in the data says.
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
          script-src 'unsafe-inline'; img-src data:\">",
         &format!("<title>{title}</title><style>{STYLE}</style></head><body><main><h1>{title}</h1>"),
-        &header(report),
-        &warnings(report),
-        GUIDE,
-        "<h2 id=\"summary\">Summary</h2>",
-        &summary(report),
-        &sections,
-        &crosschecks::section(&report.cross_checks)?,
-        &absent(report),
-        "<h2>Settings in full</h2>",
-        &tables::settings(report),
-        &format!("</main><script>{SCRIPT}</script></body></html>\n"),
+        body,
+        &format!("</main><script>{script}</script></body></html>\n"),
     ]
-    .concat())
+    .concat()
 }
 
 fn header(report: &Report) -> String {

@@ -113,19 +113,23 @@ impl Report {
         crate::page::html(self)
     }
 
-    /// Writes the page, beside its place first, so that an older page is replaced whole or not at all.
+    /// Writes the page; an older one is replaced whole or not at all.
     ///
     /// # Errors
     /// The page could not be made or written.
     pub fn write(&self, path: &Path) -> Result<(), ReportError> {
-        let html = self.html()?;
-        let beside = path.with_extension(format!("{}.tmp", std::process::id()));
-        std::fs::write(&beside, html).and_then(|()| std::fs::rename(&beside, path)).map_err(|source| {
-            // The first error is the one to report.
-            let _ = std::fs::remove_file(&beside);
-            ReportError::Io { path: path.to_owned(), source }
-        })
+        replace(path, &self.html()?)
     }
+}
+
+/// Writes a page, beside its place first, so that an older page is replaced whole or not at all.
+pub(crate) fn replace(path: &Path, html: &str) -> Result<(), ReportError> {
+    let beside = path.with_extension(format!("{}.tmp", std::process::id()));
+    std::fs::write(&beside, html).and_then(|()| std::fs::rename(&beside, path)).map_err(|source| {
+        // The first error is the one to report.
+        let _ = std::fs::remove_file(&beside);
+        ReportError::Io { path: path.to_owned(), source }
+    })
 }
 
 impl Scene {

@@ -6,6 +6,7 @@
 //! DIR/results.jsonl        one JSON object a line, append-only: runs, skips, failures, scores,
 //!                          cross-checks
 //! DIR/images/<sha256>.exr  pictures and references, named by the hash of their bytes
+//! DIR/claims/<key>         cells that are being run now; nothing of a finished run
 //! ```
 //!
 //! Scores are lines of their own, so a picture can be scored again (another reference, a newer metric) without being
@@ -24,14 +25,18 @@
 //! # }
 //! ```
 
+mod claim;
 mod exr;
 mod key;
 mod lines;
+mod merge;
 mod picture;
 mod record;
 mod store;
 
+pub use claim::Claim;
 pub use key::{Key, KeyError};
+pub use merge::Merged;
 pub use picture::{Layout, Picture, PictureError, ReferencePicture};
 pub use record::{
     Cell, CrossCheck, Environment, Failure, Params, Phase, Record, Run, SCHEMA, Score, Skip, Storage, Timing,

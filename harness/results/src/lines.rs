@@ -1,91 +1,111 @@
 //! The file of lines: appending so that a kill at any moment loses at most the line in flight, and reading it back.
 //!
-//! A writer that dies in the middle of a line leaves a torn last line without a line feed. The next append first closes
-//! that line with the control character CANCEL and a line feed, so the torn text can never run into a good line, and
-//! readers know it from a line that was damaged later: JSON escapes control characters, so no whole line ends in one.
+//! Writers hold the file's exclusive lock and readers its shared one, in one process or many, and the system releases a
+//! killed holder's lock. So whoever has the lock and sees a last line without its line feed knows that its writer died.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-const CANCEL: u8 = 0x18;
-
 /// A line of the file.
+#[derive(Debug, PartialEq)]
 pub(crate) struct Line<'a> {
-    /// Counted from 1.
-    pub(crate) number: usize,
     pub(crate) bytes: &'a [u8],
-    /// Its writer did not finish it: it counts only if it is whole all the same.
-    pub(crate) torn: bool,
+    /// Whether its line feed is there.
+    pub(crate) ended: bool,
 }
 
-/// All lines of a file's content; blank ones are left out.
+/// All lines of a file's content, blank ones too.
 pub(crate) fn split(content: &[u8]) -> impl Iterator<Item = Line<'_>> {
-    let ends_in_feed = content.last().is_none_or(|b| *b == b'\n');
-    let count = content.split(|b| *b == b'\n').count();
-    content.split(|b| *b == b'\n').enumerate().filter_map(move |(i, bytes)| {
-        let (bytes, cancelled) = match bytes {
-            [start @ .., CANCEL] => (start, true),
-            _ => (bytes, false),
-        };
-        let last = i + 1 == count && !ends_in_feed;
-        let blank = bytes.iter().all(u8::is_ascii_whitespace);
-        (!blank).then_some(Line { number: i + 1, bytes, torn: cancelled || last })
+    content.split_inclusive(|b| *b == b'\n').map(|line| match line {
+        [bytes @ .., b'\n'] => Line { bytes, ended: true },
+        bytes => Line { bytes, ended: false },
     })
 }
 
-/// Appends one line, `text` without its line feed, to the file at `path`, which is made if absent.
+/// What the file holds from a place on; nothing if there is no file.
 ///
-/// The line goes out in one write in append mode, under the file's lock: writers in several processes neither mix their
-/// lines nor take another's unfinished line for a torn one, and a killed writer's lock is released by the system.
-pub(crate) fn append(path: &Path, text: &str) -> io::Result<()> {
-    let mut file = OpenOptions::new().create(true).read(true).append(true).open(path)?;
-    file.lock()?;
-    let mut bytes = Vec::with_capacity(text.len() + 3);
-    if ends_torn(&mut file)? {
-        bytes.extend_from_slice(&[CANCEL, b'\n']);
-    }
-    bytes.extend_from_slice(text.as_bytes());
-    bytes.push(b'\n');
-    file.write_all(&bytes)
-    // Closing the file releases its lock.
+/// # Errors
+/// It cannot be read, or ends before that place.
+pub(crate) fn read(path: &Path, from: u64) -> io::Result<Vec<u8>> {
+    let mut file = match File::open(path) {
+        Ok(file) => file,
+        Err(e) if e.kind() == ErrorKind::NotFound && from == 0 => return Ok(Vec::new()),
+        Err(e) => return Err(e),
+    };
+    file.lock_shared()?;
+    rest(&mut file, from)
 }
 
-fn ends_torn(file: &mut File) -> io::Result<bool> {
-    if file.seek(SeekFrom::End(0))? == 0 {
-        return Ok(false);
+/// The file, open for appending and locked until this is dropped.
+pub(crate) struct Appender(File);
+
+impl Appender {
+    /// Opens the file, which is made if there is none, and waits for its lock.
+    pub(crate) fn lock(path: &Path) -> io::Result<Self> {
+        let file = OpenOptions::new().create(true).read(true).append(true).open(path)?;
+        file.lock()?;
+        Ok(Self(file))
     }
-    file.seek(SeekFrom::End(-1))?;
-    let mut last = [0];
-    file.read_exact(&mut last)?;
-    Ok(last != *b"\n")
+
+    /// As [`read`].
+    pub(crate) fn read(&mut self, from: u64) -> io::Result<Vec<u8>> {
+        rest(&mut self.0, from)
+    }
+
+    /// Writes a line after the first `whole` bytes, all of them whole lines; whatever follows them is cut off. Returns how
+    /// many bytes are whole now.
+    pub(crate) fn append(&mut self, whole: u64, text: &str) -> io::Result<u64> {
+        if self.0.metadata()?.len() > whole {
+            self.0.set_len(whole)?;
+        }
+        let mut bytes = Vec::with_capacity(text.len() + 2);
+        if whole > 0 && rest(&mut self.0, whole - 1)? != b"\n" {
+            bytes.push(b'\n');
+        }
+        bytes.extend_from_slice(text.as_bytes());
+        bytes.push(b'\n');
+        // In one write, so that a kill leaves at most one line torn.
+        self.0.write_all(&bytes)?;
+        Ok(whole + bytes.len() as u64)
+    }
+}
+
+fn rest(file: &mut File, from: u64) -> io::Result<Vec<u8>> {
+    if file.metadata()?.len() < from {
+        let message = "it became shorter while it was in use, expected it to grow only";
+        return Err(io::Error::new(ErrorKind::InvalidData, message));
+    }
+    file.seek(SeekFrom::Start(from))?;
+    let mut content = Vec::new();
+    file.read_to_end(&mut content)?;
+    Ok(content)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn read(content: &[u8]) -> Vec<(usize, String, bool)> {
-        split(content).map(|l| (l.number, String::from_utf8_lossy(l.bytes).into_owned(), l.torn)).collect()
+    #[test]
+    fn split_tells_lines_that_did_not_end() {
+        let lines = |content| split(content).map(|l| (l.bytes, l.ended)).collect::<Vec<_>>();
+        assert_eq!(lines(b""), []);
+        assert_eq!(lines(b"a\n\nb"), [(&b"a"[..], true), (b"", true), (b"b", false)]);
     }
 
     #[test]
-    fn split_numbers_lines_and_marks_torn_ones() {
-        assert_eq!(read(b""), []);
-        assert_eq!(read(b"a\nb\n"), [(1, "a".into(), false), (2, "b".into(), false)]);
-        assert_eq!(read(b"a\n\n{\"b"), [(1, "a".into(), false), (3, "{\"b".into(), true)]);
-        assert_eq!(read(b"{\"b\x18\nc\n"), [(1, "{\"b".into(), true), (2, "c".into(), false)]);
-    }
-
-    #[test]
-    fn append_closes_a_torn_line() {
+    fn append_cuts_what_is_not_whole_and_ends_what_is() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("lines");
-        append(&path, "one").unwrap();
-        append(&path, "two").unwrap();
-        assert_eq!(std::fs::read(&path).unwrap(), b"one\ntwo\n");
+        let append = |whole, text| Appender::lock(&path).unwrap().append(whole, text).unwrap();
+        assert_eq!(append(0, "one"), 4);
         std::fs::write(&path, b"one\ntw").unwrap();
-        append(&path, "three").unwrap();
-        assert_eq!(std::fs::read(&path).unwrap(), b"one\ntw\x18\nthree\n");
+        assert_eq!(append(4, "three"), 10);
+        assert_eq!(std::fs::read(&path).unwrap(), b"one\nthree\n");
+        std::fs::write(&path, b"one\ntwo").unwrap();
+        assert_eq!(append(7, "three"), 14);
+        assert_eq!(std::fs::read(&path).unwrap(), b"one\ntwo\nthree\n");
+        assert_eq!(read(&path, 4).unwrap(), b"two\nthree\n");
+        assert_eq!(read(&path, 15).unwrap_err().kind(), ErrorKind::InvalidData);
     }
 }

@@ -4,7 +4,8 @@ use crate::Key;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The version of the line format; written as `schema` on every line. A line of a newer schema is refused.
+/// The version of the line format; written as `schema` on every line. Lines of another are refused by name:
+/// this is the first, so there is none to migrate from.
 pub const SCHEMA: u32 = 1;
 
 /// A method's parameters, by name.
@@ -262,4 +263,13 @@ pub struct CrossCheck {
     pub p: f64,
     /// Whether `p` is above the level of the test.
     pub agrees: bool,
+}
+
+impl CrossCheck {
+    /// Whether another check is of the same scene, frame and quantity with the same program.
+    pub fn same_subject(&self, other: &CrossCheck) -> bool {
+        let place = |check: &CrossCheck| (check.scene_hash.clone(), check.frame);
+        let kind = |check: &CrossCheck| (check.quantity.clone(), check.program.clone());
+        place(self) == place(other) && kind(self) == kind(other)
+    }
 }

@@ -1,10 +1,11 @@
 //! The store: a results directory opened for reading and appending.
 
 use crate::exr::read_bytes;
-use crate::{Cell, CrossCheck, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score, lines};
+use crate::lines::{self, Appender};
+use crate::{Cell, Claim, CrossCheck, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score};
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -18,6 +19,10 @@ pub struct Store {
     order: Vec<Key>,
     scores: HashMap<Key, Vec<usize>>,
     warnings: Vec<String>,
+    /// Bytes of the file that were read, all of them whole lines; the last may lack its line feed.
+    read: u64,
+    /// Line feeds among them.
+    feeds: usize,
 }
 
 /// Why a store could not be read or written.
@@ -41,6 +46,20 @@ pub enum StoreError {
         /// What is wrong with it.
         message: String,
     },
+    /// A line is of another schema than the one that this program reads and writes.
+    #[error(
+        "{path}, line {line}: written by {} Halflight: `schema` is {found}, expected {SCHEMA}; \
+         read it with that Halflight, or choose another results directory",
+        if *found > SCHEMA { "a newer" } else { "an older" }
+    )]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// The line's number, from 1.
+        line: usize,
+        /// The line's schema.
+        found: u32,
+    },
     /// A record would not read back as itself.
     #[error("record not written: it would not read back as itself ({0}); expected finite numbers throughout")]
     Unwritable(String),
@@ -63,38 +82,36 @@ struct Line<R> {
 impl Store {
     /// Opens a results directory; one that does not exist yet is an empty store, and is made by the first write.
     ///
-    /// A torn last line, left by a killed writer, is ignored and reported by [`Store::warnings`].
+    /// A torn last line, left by a killed writer, is ignored, reported by [`Store::warnings`], and cut off by the next write.
     ///
     /// # Errors
-    /// The file cannot be read, or any other line is not a record.
+    /// The file cannot be read, any other line is not a record, or a line is of another schema.
     pub fn open(dir: impl Into<PathBuf>) -> Result<Self, StoreError> {
-        let dir = dir.into();
         let mut store = Self {
-            dir,
+            dir: dir.into(),
             records: Vec::new(),
             cells: HashMap::new(),
             order: Vec::new(),
             scores: HashMap::new(),
             warnings: Vec::new(),
+            read: 0,
+            feeds: 0,
         };
-        let path = store.path();
-        let content = match std::fs::read(&path) {
-            Ok(content) => content,
-            Err(e) if e.kind() == ErrorKind::NotFound => Vec::new(),
-            Err(source) => return Err(StoreError::Io { path, source }),
-        };
-        for line in lines::split(&content) {
-            match parse(line.bytes) {
-                Ok(record) => store.index(record),
-                Err(_) if line.torn => store.warnings.push(format!(
-                    "{}, line {}: ignored, its writer was stopped in the middle of it",
-                    path.display(),
-                    line.number
-                )),
-                Err(message) => return Err(StoreError::Corrupt { path, line: line.number, message }),
-            }
+        if store.refresh()? {
+            let (path, line) = (store.path(), store.feeds + 1);
+            let why = "ignored and to be cut off, its writer was stopped in the middle of it";
+            store.warnings.push(format!("{}, line {line}: {why}", path.display()));
         }
         Ok(store)
+    }
+
+    /// Takes in what others have appended since; whether a torn line follows.
+    ///
+    /// # Errors
+    /// As [`Store::open`], or the file became shorter.
+    pub fn refresh(&mut self) -> Result<bool, StoreError> {
+        let content = lines::read(&self.path(), self.read).map_err(|source| self.io(source))?;
+        self.take_in(&content)
     }
 
     /// The directory.
@@ -122,12 +139,38 @@ impl Store {
         match parse(text.as_bytes()) {
             Ok(back) if back == record => {}
             Ok(_) => return Err(StoreError::Unwritable("its fields change".into())),
-            Err(message) => return Err(StoreError::Unwritable(message)),
+            Err(Wrong::Record(message)) => return Err(StoreError::Unwritable(message)),
+            Err(Wrong::Schema(_)) => unreachable!("the line has the present schema"),
         }
         self.make_dir(&self.dir)?;
-        lines::append(&self.path(), &text).map_err(|source| StoreError::Io { path: self.path(), source })?;
+        let mut file = Appender::lock(&self.path()).map_err(|source| self.io(source))?;
+        let others = file.read(self.read).map_err(|source| self.io(source))?;
+        self.take_in(&others)?;
+        let whole = file.append(self.read, &text).map_err(|source| self.io(source))?;
         self.index(record);
+        // A last line without its line feed was given it.
+        self.feeds += usize::from(whole - self.read > text.len() as u64 + 1) + 1;
+        self.read = whole;
         Ok(())
+    }
+
+    /// Claims a cell, to run it; `None` if another has claimed it, in this process or another.
+    ///
+    /// # Errors
+    /// The claim's file cannot be made.
+    pub fn try_claim(&self, cell: &Key) -> Result<Option<Claim>, StoreError> {
+        let folder = self.dir.join("claims");
+        Claim::take(&folder, cell, false).map_err(|source| StoreError::Io { path: folder, source })
+    }
+
+    /// Claims a cell, to run it, as soon as no other has claimed it.
+    ///
+    /// # Errors
+    /// The claim's file cannot be made.
+    pub fn claim(&self, cell: &Key) -> Result<Claim, StoreError> {
+        let folder = self.dir.join("claims");
+        let claim = Claim::take(&folder, cell, true).map_err(|source| StoreError::Io { path: folder, source })?;
+        Ok(claim.expect("who waits gets the claim"))
     }
 
     /// The latest run, skip or failure of a cell.
@@ -175,12 +218,7 @@ impl Store {
         let mut latest: Vec<&CrossCheck> = Vec::new();
         for record in &self.records {
             let Record::CrossCheck(check) = record else { continue };
-            let same = |other: &&mut &CrossCheck| {
-                let place = |check: &CrossCheck| (check.scene_hash.clone(), check.frame);
-                let kind = |check: &CrossCheck| (check.quantity.clone(), check.program.clone());
-                place(other) == place(check) && kind(other) == kind(check)
-            };
-            match latest.iter_mut().find(same) {
+            match latest.iter_mut().find(|other| other.same_subject(check)) {
                 Some(earlier) => *earlier = check,
                 None => latest.push(check),
             }
@@ -253,7 +291,8 @@ impl Store {
         Ok(ReferencePicture::from_exr(&self.read_image(image)?, &self.image_path(image))?)
     }
 
-    fn read_image(&self, image: &Key) -> Result<Vec<u8>, PictureError> {
+    /// Reads the bytes of an image and checks them against their hash.
+    pub(crate) fn read_image(&self, image: &Key) -> Result<Vec<u8>, PictureError> {
         let path = self.image_path(image);
         let bytes = read_bytes(&path)?;
         let actual = Key::of_bytes(&bytes);
@@ -262,6 +301,31 @@ impl Store {
 
     fn make_dir(&self, dir: &Path) -> Result<(), StoreError> {
         std::fs::create_dir_all(dir).map_err(|source| StoreError::Io { path: dir.to_owned(), source })
+    }
+
+    /// Indexes the lines that follow those that were read; whether the last one is torn.
+    fn take_in(&mut self, content: &[u8]) -> Result<bool, StoreError> {
+        for line in lines::split(content) {
+            let blank = line.bytes.iter().all(u8::is_ascii_whitespace);
+            if !line.ended && !blank && serde_json::from_slice::<IgnoredAny>(line.bytes).is_err() {
+                return Ok(true);
+            }
+            if !blank {
+                let (path, number) = (self.path(), self.feeds + 1);
+                let record = parse(line.bytes).map_err(|wrong| match wrong {
+                    Wrong::Schema(found) => StoreError::Schema { path, line: number, found },
+                    Wrong::Record(message) => StoreError::Corrupt { path, line: number, message },
+                })?;
+                self.index(record);
+            }
+            self.feeds += usize::from(line.ended);
+            self.read += line.bytes.len() as u64 + u64::from(line.ended);
+        }
+        Ok(false)
+    }
+
+    fn io(&self, source: std::io::Error) -> StoreError {
+        StoreError::Io { path: self.path(), source }
     }
 
     fn index(&mut self, record: Record) {
@@ -279,18 +343,25 @@ impl Store {
     }
 }
 
-fn parse(line: &[u8]) -> Result<Record, String> {
+/// What is wrong with a line.
+enum Wrong {
+    Schema(u32),
+    Record(String),
+}
+
+fn parse(line: &[u8]) -> Result<Record, Wrong> {
     #[derive(Deserialize)]
     struct Version {
         schema: u32,
     }
-    let version: Version = serde_json::from_slice(line).map_err(|e| e.to_string())?;
+    let wrong = |error: serde_json::Error| Wrong::Record(error.to_string());
+    let version: Version = serde_json::from_slice(line).map_err(wrong)?;
     if version.schema != SCHEMA {
-        return Err(format!("`schema` is {}, expected {SCHEMA}", version.schema));
+        return Err(Wrong::Schema(version.schema));
     }
-    let line: Line<Record> = serde_json::from_slice(line).map_err(|e| e.to_string())?;
+    let line: Line<Record> = serde_json::from_slice(line).map_err(wrong)?;
     if line.key != line.record.cell().map(Cell::key) {
-        return Err("`key` is not the key of the line's fields".into());
+        return Err(Wrong::Record("`key` is not the key of the line's fields".into()));
     }
     Ok(line.record)
 }

@@ -185,6 +185,7 @@ fn a_torn_last_line_loses_only_itself_wherever_it_is_cut() {
 
         let store = Store::open(dir.path()).unwrap();
         assert_eq!(store.outcomes().count(), if complete { 3 } else { 2 }, "cut at {cut}");
+        assert!(store.warnings().is_empty(), "the torn line was not cut off at {cut}");
         assert_eq!(store.run(&cell(3).key()).map(|r| r.receivers), Some(3));
     }
     fs::write(&path, &whole[..first + 10]).unwrap();
@@ -201,7 +202,6 @@ fn a_corrupt_line_is_an_error_that_names_file_and_line() {
     let second = good.lines().nth(1).unwrap();
     let cases = [
         (second[..40].to_owned(), "EOF"),
-        (second.replace("\"schema\":1", "\"schema\":99"), "schema"),
         (second.replace("\"seed\":2", "\"seed\":7"), "key"),
         (second.replace("\"seed\":2", "\"seed\":-2"), "u64"),
         (second.replace("\"receivers\":3,", ""), "receivers"),
@@ -216,6 +216,85 @@ fn a_corrupt_line_is_an_error_that_names_file_and_line() {
         let text = error.to_string();
         assert!(text.contains("results.jsonl, line 2") && text.contains(part), "{text}");
     }
+}
+
+#[test]
+fn other_schemas_are_refused_by_name_and_left_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut store = Store::open(dir.path()).unwrap();
+    (1..=2).for_each(|seed| store.append(run(seed)).unwrap());
+    let good = fs::read_to_string(store.path()).unwrap();
+    let (first, second) = good.split_once('\n').unwrap();
+    for (schema, part) in [(2, "a newer Halflight"), (0, "an older Halflight")] {
+        // Without its line feed it is no torn line either.
+        let other = format!("{first}\n{}", second.replace("\"schema\":1", &format!("\"schema\":{schema}")));
+        for text in [&other, other.trim_end()] {
+            fs::write(store.path(), text).unwrap();
+            let error = Store::open(dir.path()).unwrap_err();
+            assert!(matches!(error, StoreError::Schema { line: 2, found, .. } if found == schema), "{error}");
+            assert!(error.to_string().contains(part) && error.to_string().contains("expected 1"), "{error}");
+        }
+    }
+}
+
+#[test]
+fn a_store_learns_what_others_append() {
+    let dir = tempfile::tempdir().unwrap();
+    let (mut a, mut b) = (Store::open(dir.path()).unwrap(), Store::open(dir.path()).unwrap());
+    a.append(run(1)).unwrap();
+    assert!(b.outcome(&cell(1).key()).is_none());
+    assert!(!b.refresh().unwrap());
+    assert_eq!(all(&b), [run(1)]);
+    a.append(run(2)).unwrap();
+    b.append(run(3)).unwrap();
+    assert_eq!(all(&b), [run(1), run(2), run(3)], "in the file's order, each once");
+    b.refresh().unwrap();
+    assert_eq!(b.outcomes().count(), 3);
+    fs::write(a.path(), "").unwrap();
+    assert!(a.append(run(4)).unwrap_err().to_string().contains("shorter"));
+}
+
+#[test]
+fn a_claim_is_held_by_one_until_it_is_dropped() {
+    let dir = tempfile::tempdir().unwrap();
+    let (a, b) = (Store::open(dir.path()).unwrap(), Store::open(dir.path()).unwrap());
+    let (one, two) = (cell(1).key(), cell(2).key());
+    let held = a.try_claim(&one).unwrap().unwrap();
+    assert!(b.try_claim(&one).unwrap().is_none());
+    assert!(b.try_claim(&two).unwrap().is_some(), "another cell is free");
+    drop(held);
+    drop(b.claim(&one).unwrap());
+    assert!(!dir.path().join("claims").exists());
+    // A killed process leaves its file, and no lock.
+    fs::create_dir(dir.path().join("claims")).unwrap();
+    fs::write(dir.path().join("claims").join(one.as_str()), "").unwrap();
+    assert!(b.try_claim(&one).unwrap().is_some());
+}
+
+#[test]
+fn who_claims_first_and_looks_then_runs_no_cell_twice() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let dir = tempfile::tempdir().unwrap();
+    let worked = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                let mut store = Store::open(dir.path()).unwrap();
+                for seed in 0..40 {
+                    let claim = store.claim(&cell(seed).key()).unwrap();
+                    store.refresh().unwrap();
+                    if store.outcome(&cell(seed).key()).is_none() {
+                        // Long enough for another to look too, if it could.
+                        std::thread::sleep(std::time::Duration::from_micros(500));
+                        store.append(run(seed)).unwrap();
+                        worked.fetch_add(1, Ordering::Relaxed);
+                    }
+                    drop(claim);
+                }
+            });
+        }
+    });
+    assert_eq!(worked.load(Ordering::Relaxed), 40, "no cell is run twice");
 }
 
 #[test]

@@ -1,21 +1,24 @@
 //! `halflight export`.
 
-use super::{CacheDir, Ending, say};
+use super::{CacheDir, Ending, say, table::Table};
 use crate::export::{Check, export_to_mitsuba};
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use std::path::PathBuf;
 
 #[derive(Args)]
+#[command(group(ArgGroup::new("what").required(true).multiple(true).args(["csv", "parquet", "scene"])))]
 pub(super) struct Export {
-    /// A shipped scene's name, or the path of a scene file
-    #[arg(long)]
-    scene: String,
+    #[command(flatten)]
+    table: Table,
+    /// A scene for another renderer: a shipped one's name, or the path of a scene file
+    #[arg(long, requires = "to", requires = "out", conflicts_with_all = ["csv", "parquet"])]
+    scene: Option<String>,
     /// The other renderer
-    #[arg(long, value_enum)]
-    to: Renderer,
-    /// Folder to write into
+    #[arg(long, value_enum, requires = "scene")]
+    to: Option<Renderer>,
+    /// Results directory that a table is made of, halflight-out if not given; or the folder that a scene is written into
     #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    out: Option<PathBuf>,
     /// Which light: direct, indirect-N by up to N bounces, total
     #[arg(long, default_value = "direct")]
     quantity: String,
@@ -43,18 +46,21 @@ enum Renderer {
 
 impl Export {
     pub(super) fn act(&self) -> anyhow::Result<Ending> {
+        let (Some(scene), Some(to), Some(out)) = (&self.scene, self.to, &self.out) else {
+            return self.table.write(self.out.as_deref());
+        };
         let check = Check {
-            scene: self.scene.clone(),
+            scene: scene.clone(),
             frame: self.frame,
             quantity: self.quantity.clone(),
             receivers: self.receivers,
             samples: self.samples,
             seed: self.seed,
         };
-        match self.to {
-            Renderer::Mitsuba => export_to_mitsuba(&check, &self.cache.path()?, &self.out)?,
+        match to {
+            Renderer::Mitsuba => export_to_mitsuba(&check, &self.cache.path()?, out)?,
         }
-        say(&format!("exported {} of {} to {}", check.quantity, check.scene, self.out.display()));
+        say(&format!("exported {} of {} to {}", check.quantity, check.scene, out.display()));
         Ok(Ending::Well)
     }
 }

@@ -22,6 +22,7 @@ enum Kind {
     References,
     Suites,
     Metrics,
+    Columns,
 }
 
 #[derive(serde::Serialize)]
@@ -69,6 +70,7 @@ impl Kind {
             Kind::References => Reference::all().iter().map(|kind| entry((kind.id, kind.about))).collect(),
             Kind::Suites => suites()?,
             Kind::Metrics => METRICS.map(entry).into(),
+            Kind::Columns => crate::COLUMNS.map(entry).into(),
         })
     }
 }

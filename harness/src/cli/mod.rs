@@ -1,19 +1,27 @@
-//! The command line. Exit codes: 0 all is well, 1 cells failed or pictures differ, 2 the request cannot be carried out.
+//! The command line. Exit codes: 0 all is well, 1 cells failed, pictures differ or references are not as they should be, 2 the request cannot be carried out.
 
+mod bless;
+mod budget;
 mod crosscheck;
 mod diff;
 mod doctor;
 mod export;
+mod gate;
 mod list;
+mod merge;
 mod paths;
 mod plan;
 mod probe;
+mod refs;
 mod report;
 mod run;
+mod score;
+mod table;
 
 use crate::select::Selection;
 use crate::settings::Setting;
 use clap::{Args, Parser, Subcommand};
+use halflight_references::Quality;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -36,11 +44,23 @@ enum Command {
     Plan(plan::Plan),
     /// Make the report again from a results directory
     Report(report::Report),
+    /// Score stored pictures again against their stored references, where the error measures are newer than the scores
+    Score(score::Score),
+    /// Put the results of several directories into one
+    Merge(merge::Merge),
     /// Print radiance, or a reference's, at given points
     Probe(probe::Probe),
+    /// Walk from the truth to a method, one approximation a step, and say what each adds to the error
+    Budget(budget::Budget),
+    /// Make, check, list or clear away references
+    Refs(refs::Refs),
+    /// Run what is not in the results yet (the default: the `gate` suite) and hold all of it against the baselines
+    Gate(gate::Gate),
+    /// Make what was measured the baselines, and say what changes
+    Bless(bless::Bless),
     /// Compare two EXR pictures, or the pictures of two results directories
     Diff(diff::Diff),
-    /// Write a scene for another renderer, with receivers and their truth to hold that renderer against
+    /// Write the results as a table, or a scene for another renderer with receivers and their truth to hold that against
     Export(export::Export),
     /// Hold the truth against what another renderer found in an exported scene
     Crosscheck(crosscheck::Check),
@@ -105,11 +125,37 @@ struct CacheDir {
     cache: Option<PathBuf>,
 }
 
+/// How good references are to be.
+#[derive(Args)]
+struct HowGood {
+    /// Standard error that references are to reach at every receiver, relative to the scene's mean level
+    #[arg(long, value_name = "E")]
+    standard_error: Option<f32>,
+    /// Most samples a receiver, 65536 if not given; without --standard-error all receivers take so many
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
+}
+
+impl HowGood {
+    fn quality(&self) -> anyhow::Result<Quality> {
+        let quality = match (self.standard_error, self.samples) {
+            (None, None) => Quality::default(),
+            (None, Some(samples)) => Quality::fixed(samples),
+            (Some(standard_error), samples) => {
+                let (least, most) = (Quality::default().min_samples, samples.unwrap_or(1 << 16));
+                Quality { standard_error, min_samples: least.min(most), max_samples: most, ..Quality::default() }
+            }
+        };
+        quality.check()?;
+        Ok(quality)
+    }
+}
+
 /// How a command that was carried out ended.
 enum Ending {
     /// All is well.
     Well,
-    /// Cells failed, or pictures differ.
+    /// Cells failed, pictures differ, or references are not as they should be.
     Differs,
 }
 
@@ -147,7 +193,13 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Run(run)) => run.act(),
         Some(Command::Plan(plan)) => plan.act(),
         Some(Command::Report(report)) => report.act(),
+        Some(Command::Score(score)) => score.act(),
+        Some(Command::Merge(merge)) => merge.act(),
         Some(Command::Probe(probe)) => probe.act(),
+        Some(Command::Budget(budget)) => budget.act(),
+        Some(Command::Refs(refs)) => refs.act(),
+        Some(Command::Gate(gate)) => gate.act(),
+        Some(Command::Bless(bless)) => bless.act(),
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
         Some(Command::Crosscheck(check)) => check.act(),

@@ -67,14 +67,13 @@ impl Probe {
     pub(super) fn act(&self) -> anyhow::Result<Ending> {
         let source = match (&self.method, &self.reference) {
             (Some(method), _) => Source::method(method, &self.set)?,
-            (None, Some(reference)) => Source::reference(reference, self.samples)?,
+            (None, Some(reference)) => Source::reference(reference, self.samples, self.visibility)?,
             (None, None) => anyhow::bail!("expected --method or --reference"),
         };
         let points = halflight_scenes::read_points_csv(&self.at)?;
         let scene = halflight_scenes::find(&self.scene)?.with_receivers(&points);
         let quantity = quantity(&self.quantity)?;
-        let question =
-            Question { scene: &scene, frame: self.frame, quantity, visibility: self.visibility, seed: self.seed };
+        let question = Question { scene: &scene, frame: self.frame, quantity, seed: self.seed };
         let answers = probe(&question, &source, &self.cache.path()?)?;
         let rows = rows(&points, &answers);
         if self.json {

@@ -1,10 +1,11 @@
 //! `halflight run`.
 
-use super::{CacheDir, Ending, Out, Pick, say};
+use super::{CacheDir, Ending, HowGood, Out, Pick, say};
 use crate::plan::{Plan, Terms};
 use crate::run::{Options, Summary};
 use clap::{Args, FromArgMatches};
 use halflight_results::Store;
+use std::time::Duration;
 
 #[derive(Args)]
 pub(super) struct Run {
@@ -14,9 +15,19 @@ pub(super) struct Run {
     out: Out,
     #[command(flatten)]
     cache: CacheDir,
+    #[command(flatten)]
+    how_good: HowGood,
     /// Timed evaluations of each cell that is run, after one to warm up
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     repeats: u16,
+    /// Print every cell and what would be done about it, as `plan` does, and do nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Time to spend, such as 90s, 10m, 1.5h. First every method on every scene at the setting nearest its defaults, then in
+    /// turns the settings farthest from those that are done; one that by earlier runs would take too long is left out, and
+    /// the one at hand when the time is over is finished
+    #[arg(long, value_name = "TIME", value_parser = budget)]
+    budget: Option<Duration>,
 }
 
 impl Run {
@@ -27,14 +38,21 @@ impl Run {
     }
 
     pub(super) fn act(&self) -> anyhow::Result<Ending> {
+        if self.dry_run {
+            return super::plan::tell(&self.pick, &self.out, self.repeats.into(), self.budget);
+        }
+        let quality = self.how_good.quality()?;
         let terms = Terms { seed: self.pick.seed, timed_on: crate::environment::environment().class() };
         let plan = Plan::new(&self.pick.selection().entries()?, &terms)?;
         let mut store = Store::open(&self.out.out)?;
         store.warnings().iter().for_each(|warning| eprintln!("halflight: {warning}"));
-        let options = Options { repeats: self.repeats.into(), ..Options::new(self.cache.path()?) };
+        let (repeats, budget) = (self.repeats.into(), self.budget);
+        let options = Options { repeats, budget, quality, ..Options::new(self.cache.path()?) };
         let summary = crate::run(&plan, &mut store, &options)?;
 
         let report = self.out.out.join("report.html");
+        // Others may have added lines since.
+        store.refresh()?;
         // An unchanged store has the report that it had.
         if summary.lines > 0 || !report.exists() {
             super::report::write(&store, &report)?;
@@ -45,13 +63,41 @@ impl Run {
     }
 }
 
+/// Reads a time such as `90s`, `10m`, `1.5h`.
+fn budget(text: &str) -> Result<Duration, String> {
+    let expected = || "expected a number of seconds, minutes or hours, such as 90s, 10m, 1.5h".to_owned();
+    let unit = [("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let (number, seconds) =
+        unit.iter().find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds))).ok_or_else(expected)?;
+    let number: f64 = number.parse().map_err(|_| expected())?;
+    Duration::try_from_secs_f64(number * seconds).map_err(|_| expected())
+}
+
 fn told(s: &Summary) -> String {
     let mut line = format!(
         "{} cells run, {} cached, {} skipped, {} failed; {} references made, {} scores added",
         s.ran, s.cached, s.skipped, s.failed, s.references_made, s.scored
     );
+    if s.left_out > 0 {
+        line += &format!("; {} cells left out, over the budget", s.left_out);
+    }
     if s.unjudged > 0 {
         line += &format!("; {} references or scores FAILED", s.unjudged);
     }
     line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn budgets_have_a_unit() {
+        for (text, seconds) in [("90s", 90.0), ("10m", 600.0), ("1.5h", 5400.0), ("0s", 0.0)] {
+            assert_eq!(budget(text), Ok(Duration::from_secs_f64(seconds)));
+        }
+        for bad in ["10", "m", "-1s", "NaNs", "infh", "ten m", ""] {
+            assert!(budget(bad).unwrap_err().contains("10m"), "{bad}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use crate::bench::{Bench, SCENE};
 
 /// Commands, and what their message must name.
-const WRONG: [(&str, &[&str]); 22] = [
+const WRONG: [(&str, &[&str]); 29] = [
     ("run --scene nowhere", &["nowhere", "sphere-plane"]),
     ("run --scene nowhere.toml", &["nowhere.toml"]),
     ("run --scene unknown-field.toml", &["unknown-field.toml", "colour"]),
@@ -25,6 +25,13 @@ const WRONG: [(&str, &[&str]); 22] = [
     ("probe --scene tiny.toml --method shexp/hyb --at absent.csv", &["absent.csv"]),
     ("probe --scene tiny.toml --reference truth --samples 0 --at short.csv", &["samples", "0", "expected 1"]),
     ("probe --scene tiny.toml --method shexp/hyb --at short.csv", &["short.csv", "line 2", "x,y,z,nx,ny,nz"]),
+    ("refs build --scene nowhere", &["nowhere", "sphere-plane"]),
+    ("refs build --scene tiny.toml --samples 0", &["min_samples", "0"]),
+    ("refs check --scene tiny.toml --standard-error=-1", &["standard_error", "-1"]),
+    ("refs prune --suite quick", &["--all"]),
+    ("budget --scene tiny.toml --method shexp/none", &["method `shexp/none`", "shexp/hyb"]),
+    ("budget --scene tiny.toml --method shexp/hyb --quantity total", &["shexp/hyb does not serve total of tiny"]),
+    ("budget --scene tiny.toml --method shexp/hyb --frame 1", &["frame 1", "below 1"]),
     ("diff tiny.toml tiny.toml", &["tiny.toml", "EXR"]),
 ];
 

@@ -51,11 +51,17 @@ impl Bench {
 
     /// Runs the program in the folder, with a cache there.
     pub(crate) fn halflight(&self, arguments: &str) -> Said {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_halflight"));
-        command.current_dir(self.dir.path()).env("XDG_CACHE_HOME", self.path("cache"));
-        let Output { status, stdout, stderr } = command.args(arguments.split_whitespace()).output().unwrap();
+        let Output { status, stdout, stderr } = self.command(arguments).output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         Said { code: status.code().unwrap(), out: text(stdout), err: text(stderr) }
+    }
+
+    /// The program in the folder, with a cache there.
+    pub(crate) fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_halflight"));
+        command.current_dir(self.dir.path()).env("XDG_CACHE_HOME", self.path("cache"));
+        command.args(arguments.split_whitespace());
+        command
     }
 
     /// As [`Bench::halflight`]; it must succeed.
@@ -77,6 +83,16 @@ impl Bench {
         collect(&self.path(folder), &mut found);
         found.sort();
         found
+    }
+
+    /// Folders below a folder with their time of change, sorted.
+    pub(crate) fn folders(&self, folder: &str) -> Vec<(PathBuf, std::time::SystemTime)> {
+        let mut folders: Vec<PathBuf> =
+            self.files(folder).iter().map(|(path, ..)| path.parent().unwrap().to_owned()).collect();
+        folders.sort();
+        folders.dedup();
+        let changed = |path: PathBuf| (path.metadata().unwrap().modified().unwrap(), path);
+        folders.into_iter().map(changed).map(|(time, path)| (path, time)).collect()
     }
 }
 

@@ -2,7 +2,18 @@
 
 mod bad_input;
 mod bench;
+mod budget;
 mod commands;
 mod export;
 mod failing;
+mod killed;
+mod gate;
+mod gate_controls;
+mod refs;
+mod rescore;
 mod run;
+mod same;
+mod shared;
+mod spending;
+mod table;
+mod unchanged;

@@ -10,7 +10,7 @@ use halflight_contract::{
 use halflight_light::{LightOf, ShLight};
 use halflight_proxies::{PosedSpheres, SphereSet, blockers, sphere_sets};
 use halflight_scenes::{Frame, Receivers, Rgb, Scene, SceneFacts};
-use halflight_sh::{apply_bands, coefficients, gamma, irradiance_weights, project_binary_bound, window};
+use halflight_sh::{apply_bands, coefficients, irradiance_weights, product, project_binary_bound, window};
 use rayon::prelude::*;
 
 use crate::{Circle, Gather, Tally, params};
@@ -225,7 +225,7 @@ impl<'a, A: Accumulator> Shading<'a, A> {
                 Quantity::Visibility { .. } => out.copy_from_slice(&visibility[..out.len()]),
                 _ => {
                     irradiance_weights(self.method.order, receivers.normal[receiver].to_array(), &mut weights);
-                    gamma(self.method.order).product(&weights, &visibility, &mut transfer);
+                    product(self.method.order, &weights, &visibility, &mut transfer);
                     let radiance = self.irradiance(&transfer) * receivers.albedo[receiver];
                     out.copy_from_slice(&radiance.to_array());
                 }

@@ -12,6 +12,12 @@ pub trait Method: Send + Sync {
     /// Whether a request can be answered on a scene with these facts; pure and quick.
     fn supports(&self, facts: &SceneFacts, request: &Request<'_>) -> Support;
 
+    /// Id of the method whose result this one approximates, from the same scene with the same parameters, if there is one: an
+    /// error budget goes through it, so that what this method adds stands apart.
+    fn approximates(&self) -> Option<&'static str> {
+        None
+    }
+
     /// All that is done once for a scene.
     fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>>;
 }

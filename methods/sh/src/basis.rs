@@ -4,7 +4,7 @@ use std::f64::consts::{PI, SQRT_2};
 use std::sync::LazyLock;
 
 use crate::order::{MAX_ORDER, assert_vector, index};
-use crate::real::Real;
+use halflight_sh_kernels::Real;
 
 /// The three-term recurrence of the normalised associated Legendre functions with `sin^m` divided out:
 /// `p_lm = rise_lm·z·p_(l-1)m - fall_lm·p_(l-2)m`, started from `p_mm = start_m`.

@@ -8,8 +8,8 @@ use crate::eigen::SymmetricEigen;
 use crate::gamma::gamma;
 use crate::log::{EIGENVALUE_CLIP, log_quotient};
 use crate::order::{MAX_ORDER, SQRT_4_PI, assert_order, assert_zonal, coefficients, index};
-use crate::real::Real;
 use crate::table::Table;
+use halflight_sh_kernels::Real;
 
 /// Intervals of the search for kinks between `1 - cos θ = 0` and 1.
 const KINK_STEPS: usize = 256;

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use crate::basis::evaluate;
 use crate::order::{MAX_ORDER, assert_order, assert_vector, coefficients};
 use crate::quadrature::Quadrature;
-use crate::real::Real;
+use halflight_sh_kernels::Real;
 
 /// Below this Γ is zero: the smallest true entry to order 8 is 4.8e-3, quadrature errs by about 1e-15.
 const ZERO: f64 = 1e-9;

@@ -1,7 +1,7 @@
 //! The overlap guard: what every visibility vector must satisfy.
 
 use crate::order::{SQRT_4_PI, assert_vector};
-use crate::real::Real;
+use halflight_sh_kernels::Real;
 
 /// Moves `g` into the set that holds the projection of every binary visibility function and returns whether it had to.
 ///

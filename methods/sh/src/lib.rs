@@ -12,6 +12,23 @@
 //! The order is an argument and vectors are slices. A wrong order or slice length is a programming error and panics:
 //! check an order that a user gave with [`check_order`] first.
 //!
+//! # One vector or sixteen
+//!
+//! Functions on slices take one vector. [`Batch`] and [`BatchExp`] take [`Block`]s, 16 vectors side by side, by the widest
+//! instructions that the machine has; forms, counts, times and errors are in the crate's `README.md`.
+//!
+//! ```
+//! use halflight_sh::{Batch, Block, blocks_for, pack, unpack};
+//!
+//! let (order, vectors) = (4, vec![0.1f32; 100 * 16]);
+//! let mut a = vec![Block::ZERO; blocks_for(order, 100)];
+//! pack(order, &vectors, &mut a);
+//! let mut square = a.clone();
+//! Batch::new(order).square(&a, &mut square);
+//! let mut squares = vectors.clone();
+//! unpack(order, &square, &mut squares);
+//! ```
+//!
 //! # From blockers to a shadow
 //!
 //! ```
@@ -34,6 +51,8 @@
 //! ```
 
 mod basis;
+mod batch;
+mod block;
 mod circle;
 mod eigen;
 mod exp;
@@ -41,21 +60,23 @@ mod gamma;
 mod guard;
 mod log;
 mod order;
+mod pieces;
 mod quadrature;
-mod real;
 mod rotation;
 mod table;
 mod zonal;
 
 pub use basis::evaluate;
+pub use batch::{Batch, BatchExp, product, square};
+pub use block::{blocks_for, pack, unpack};
 pub use circle::{CircleTable, circle_log, circle_visibility};
 pub use eigen::SymmetricEigen;
 pub use exp::{ExpWorkspace, SquaringRule, Work, exact as exp_exact};
 pub use gamma::{Gamma, Triple, gamma};
 pub use guard::project_binary_bound;
+pub use halflight_sh_kernels::{Block, LANES, Real, Simd};
 pub use log::{EIGENVALUE_CLIP, log_eigen, log_naive};
 pub use order::{MAX_ORDER, OrderError, check_order, coefficients, index};
 pub use quadrature::{Quadrature, gauss_legendre, project};
-pub use real::Real;
 pub use rotation::{Rotation, rotate_z};
 pub use zonal::{apply_bands, clamped_cosine, irradiance_weights, rotate_zonal, window};

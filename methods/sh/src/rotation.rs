@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use crate::basis::evaluate;
 use crate::order::{MAX_ORDER, assert_order, assert_vector, coefficients, index};
 use crate::quadrature::Quadrature;
-use crate::real::Real;
 use crate::zonal::band;
+use halflight_sh_kernels::Real;
 
 /// The block-diagonal matrix that rotates SH vectors: one `(2l+1)²` block a band.
 ///
@@ -67,6 +67,16 @@ impl Rotation {
     /// The order.
     pub fn order(&self) -> usize {
         self.order
+    }
+
+    /// The blocks of the bands in turn, each `(2l+1)²` entries by rows.
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = &[f64]> {
+        let mut rest = self.blocks.as_slice();
+        (0..self.order).map(move |l| {
+            let (block, after) = rest.split_at((2 * l + 1).pow(2));
+            rest = after;
+            block
+        })
     }
 
     /// Writes the rotated vector.

@@ -1,6 +1,6 @@
 //! Piecewise-cubic tables of vector functions of one variable, split where the function has kinks.
 
-use crate::real::Real;
+use halflight_sh_kernels::Real;
 
 /// A table of `width` values against `x`, interpolated by the cubic through the four nearest nodes of a segment. It is
 /// continuous, and as accurate beside a kink as elsewhere.

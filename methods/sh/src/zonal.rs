@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use crate::basis::evaluate;
 use crate::order::{MAX_ORDER, assert_order, assert_zonal, coefficients};
-use crate::real::Real;
+use halflight_sh_kernels::Real;
 
 /// `√(4π/(2l+1))`: the factor by which a zonal coefficient multiplies `y_lm(axis)`.
 static LOBE_SCALE: LazyLock<[f64; MAX_ORDER]> =

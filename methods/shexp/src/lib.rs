@@ -22,9 +22,9 @@ use halflight_scenes::SceneFacts;
 
 use cpu::{EigenExp, HybridExp, LogSum, SeriesExp};
 
-/// Declares a variant: its public type, its name plate, its exponential.
+/// Declares a variant: its public type, its name plate, its exponential, what it approximates.
 macro_rules! variant {
-    ($(#[$doc:meta])* $name:ident, $exponential:ty, $id:literal, $about:literal, $paper:literal) => {
+    ($(#[$doc:meta])* $name:ident, $exponential:ty, $id:literal, $about:literal, $paper:literal, $approximates:literal) => {
         $(#[$doc])*
         pub struct $name;
 
@@ -45,6 +45,10 @@ macro_rules! variant {
                 supports(facts, request)
             }
 
+            fn approximates(&self) -> Option<&'static str> {
+                Some($approximates)
+            }
+
             fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {
                 Ok(Box::new(DirectLight::<LogSum<$exponential>>::prepare(job, meter)?))
             }
@@ -58,7 +62,8 @@ variant!(
     SeriesExp,
     "shexp/ps-star",
     "sum of log visibilities, exponential by the factored product series",
-    "Ren et al. 2006, eqs. 8, 20-22"
+    "Ren et al. 2006, eqs. 8, 20-22",
+    "shexp/eigen"
 );
 variant!(
     /// HYB.
@@ -66,7 +71,8 @@ variant!(
     HybridExp,
     "shexp/hyb",
     "sum of log visibilities, exponential by the optimal linear fit and squaring",
-    "Ren et al. 2006, eqs. 8, 21, 23-24"
+    "Ren et al. 2006, eqs. 8, 21, 23-24",
+    "shexp/eigen"
 );
 variant!(
     /// Eigen-exponential.
@@ -74,5 +80,6 @@ variant!(
     EigenExp,
     "shexp/eigen",
     "sum of log visibilities, exponential by eigenanalysis: the family's oracle",
-    "Ren et al. 2006, eqs. 8, 28"
+    "Ren et al. 2006, eqs. 8, 28",
+    "sh-product/ordered"
 );

@@ -1,12 +1,13 @@
 //! Rays a second against a bumpy sphere of 72 000 triangles: incoherent segments and bundles of 64 from one receiver,
-//! any hit and closest hit.
+//! any hit and closest hit, in one level and in two.
 
 use std::f32::consts::{PI, TAU};
 use std::hint::black_box;
+use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use glam::Vec3;
-use halflight_trace::{Geometry, Ray, World};
+use glam::{Quat, Vec3};
+use halflight_trace::{Body, Geometry, Instance, Ray, World};
 
 mod random;
 use random::Random;
@@ -69,19 +70,30 @@ fn occlusion(criterion: &mut Criterion) {
     group.bench_function("occluded/incoherent", |bencher| {
         bencher.iter(|| rays.chunks(BUNDLE).for_each(|chunk| world.occluded(black_box(chunk), &mut blocked)));
     });
-    group.bench_function("occluded/receivers", |bencher| {
-        bencher.iter(|| {
-            for (origin, directions) in &receivers {
-                world.occluded_from(*origin, 1e-4, black_box(directions), &mut blocked);
-            }
+    let mut occluded_from = |name: &str, world: &World| {
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                for (origin, directions) in &receivers {
+                    world.occluded_from(*origin, 1e-4, black_box(directions), &mut blocked);
+                }
+            });
         });
-    });
+    };
+    let body = Arc::new(Body::build(&geometry));
+    let carried = |places: u32| {
+        let place = |i| Instance::new(body.clone(), Quat::IDENTITY, Vec3::X * 3.0 * i as f32, i);
+        World::new(Arc::new(Body::build(&[])), &(0..places).map(place).collect::<Vec<_>>())
+    };
+    occluded_from("occluded/receivers", &world);
+    occluded_from("occluded/receivers, one instance", &carried(1));
+    occluded_from("occluded/receivers, 64 instances", &carried(64));
     let mut hits = [None; BUNDLE];
     group.bench_function("closest/incoherent", |bencher| {
         bencher.iter(|| rays.chunks(BUNDLE).for_each(|chunk| world.closest(black_box(chunk), &mut hits)));
     });
     group.finish();
     criterion.bench_function("trace/build", |bencher| bencher.iter(|| World::build(black_box(&geometry))));
+    criterion.bench_function("trace/refit", |bencher| bencher.iter(|| body.refit(black_box(&geometry))));
 }
 
 criterion_group!(benches, occlusion);

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::sphere::{Sphere, SpherePacket};
 use crate::traced_ray::TracedRay;
 use crate::triangle::{Triangle, TrianglePacket};
-use crate::wide::{Hierarchy, Id, Stack};
+use crate::wide::{Bundle, Hierarchy, Id, Stack};
 use crate::world::Hit;
 
 /// One geometry of a [`Body`], borrowed while the body is built.
@@ -30,7 +30,8 @@ pub struct Body {
 }
 
 impl Body {
-    /// Builds the hierarchies over all geometries. Triangles without area and whatever is not finite are never hit.
+    /// Builds the hierarchies over all geometries. Triangles without area, and whatever is not finite or has
+    /// coordinates beyond 1e18, are never hit.
     ///
     /// # Panics
     /// If a triangle's index lies beyond its positions.
@@ -62,6 +63,13 @@ impl Body {
     #[inline]
     pub(crate) fn any(&self, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {
         self.triangles.any(ray, t_max, stack) || self.spheres.any(ray, t_max, stack)
+    }
+
+    /// Of the open rays, those that anything lies on before their ends.
+    #[inline]
+    pub(crate) fn any_of(&self, bundle: Bundle<'_>, stack: &mut Stack) -> u64 {
+        let blocked = self.triangles.any_of(bundle, stack);
+        blocked | self.spheres.any_of(Bundle { open: bundle.open & !blocked, ..bundle }, stack)
     }
 
     #[inline]

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3, Quat, Vec3};
 
 use crate::body::Body;
 use crate::traced_ray::TracedRay;
-use crate::wide::{Found, Kernel, Packet, Stack};
+use crate::wide::{BUNDLE, Bundle, Found, Kernel, Packet, Stack, is_within_reach};
 use crate::world::Hit;
 
 /// A body rotated about the origin, then translated.
@@ -37,7 +37,7 @@ impl Instance {
 
     /// Whether it can be hit at all.
     pub(crate) fn is_proper(&self) -> bool {
-        self.body.bounds().is_some() && InstancePacket::bounds(self).iter().all(|corner| corner.is_finite())
+        self.body.bounds().is_some() && is_within_reach(InstancePacket::bounds(self))
     }
 
     /// The ray as the body sees it.
@@ -82,6 +82,18 @@ impl Packet for InstancePacket {
     fn hit(&self, _: usize, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> Option<Found<Hit>> {
         let hit = self.0.body.closest(&self.0.carried(ray)?, t_max, stack)?;
         Some(Found { t: hit.t, detail: Hit { geometry: hit.geometry + self.0.geometry, ..hit } })
+    }
+
+    fn blocks_of<K: Kernel>(&self, _: K, _: u32, bundle: Bundle<'_>, stack: &mut Stack) -> u64 {
+        let mut rays = [TracedRay::NONE; BUNDLE];
+        let mut open = 0;
+        for i in bundle.open() {
+            if let Some(carried) = self.0.carried(&bundle.rays[i]) {
+                rays[i] = carried;
+                open |= 1 << i;
+            }
+        }
+        self.0.body.any_of(Bundle { rays: &rays, ends: bundle.ends, open }, stack)
     }
 
     fn blocks(&self, _: usize, ray: &TracedRay, t_max: f32, stack: &mut Stack) -> bool {

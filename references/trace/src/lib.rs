@@ -1,7 +1,8 @@
 //! Ray tracing over slices of triangles and spheres: the ground on which the house stands.
 //! Scenes cast camera rays with it, methods visibility rays, references integrate through it.
 //!
-//! The interface is batch first: callers hand over many rays at once, so that the traversal may change
+//! What never moves is one body; what moves rigidly is an instance of a body built once; what changes its form is
+//! refitted. The interface is batch first: callers hand over many rays at once, so that the traversal may change
 //! without touching them. Nothing here has an absolute epsilon: a scene scaled by any factor that `f32` can
 //! hold gives the same hits, and what lies at the very start of a ray is left out by its `t_min`.
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::traced_ray::TracedRay;
-use crate::wide::{ALL_LANES, Found, Kernel, LANES, Packet};
+use crate::wide::{ALL_LANES, Found, Kernel, LANES, Packet, is_within_reach};
 
 /// A sphere in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,8 +16,7 @@ pub struct Sphere {
 
 impl Sphere {
     pub(crate) fn is_proper(&self) -> bool {
-        let [low, high] = SpherePacket::bounds(self);
-        self.radius > 0.0 && low.is_finite() && high.is_finite()
+        self.radius > 0.0 && is_within_reach(SpherePacket::bounds(self))
     }
 }
 

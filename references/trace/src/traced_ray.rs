@@ -1,10 +1,10 @@
 //! A ray with what boxes and triangles ask of it worked out once.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
-/// Bounds, relative to a coordinate's distance from the ray's start, what rounding may add up to between a box's
-/// planes and the sheared corners of a triangle inside: four roundings for the shear, six for the planes, and some
-/// to spare (Woop, Benthin and Wald 2013, section 4).
+/// Bounds, relative to coordinates and their distances from the ray's start, what rounding may add up to between a
+/// box's planes and the sheared corners of a triangle inside: four roundings for the shear, six for the planes, and
+/// some to spare (Woop, Benthin and Wald 2013, section 4).
 const ROUNDING: f32 = 16.0 * (f32::EPSILON / 2.0);
 
 /// Direction components below this fraction of the largest count as that fraction, far below [`ROUNDING`]: no
@@ -36,29 +36,44 @@ pub(crate) enum Axis {
 }
 
 impl TracedRay {
+    /// In place of a ray that hits nothing, where there must be one.
+    pub(crate) const NONE: TracedRay = TracedRay {
+        origin: Vec3::ZERO,
+        direction: Vec3::Z,
+        t_min: f32::INFINITY,
+        inverse: Vec3::ONE,
+        axes: [Axis::X, Axis::Y, Axis::Z],
+        start: [0.0; 3],
+        slopes: [0.0; 3],
+    };
+
     /// Nothing for a ray that is not finite or has no direction.
     #[inline(always)]
     pub(crate) fn new(origin: Vec3, direction: Vec3, t_min: f32) -> Option<Self> {
-        let d = direction.to_array();
-        let least = direction.abs().max_element() * LEAST_SLOPE;
-        if !(origin.is_finite() && direction.is_finite() && least > 0.0) {
+        // The three coordinates in one register.
+        let d = Vec3A::from(direction);
+        let size = d.abs();
+        let least = size.max_element() * LEAST_SLOPE;
+        if !(Vec3A::from(origin).is_finite() && d.is_finite() && least > 0.0) {
             return None;
         }
-        let inverse = direction.abs().max(Vec3::splat(least)).copysign(direction).recip();
+        let inverse = size.max(Vec3A::splat(least)).copysign(d).recip();
         let axes = permuted(direction);
         let [x, y, z] = axes.map(|axis| axis as usize);
-        let steepest = inverse.to_array()[z];
+        let (d, start, steepest) = (direction.to_array(), origin.to_array(), inverse.to_array()[z]);
         let slopes = [d[x] * steepest, d[y] * steepest, steepest];
-        let start = origin.to_array();
-        Some(TracedRay { origin, direction, t_min, inverse, axes, start: [start[x], start[y], start[z]], slopes })
+        let (start, inverse) = ([start[x], start[y], start[z]], inverse.into());
+        Some(TracedRay { origin, direction, t_min, inverse, axes, start, slopes })
     }
 
     /// By how much plane distances must give way so that no box within `bounds` is missed whose triangles are hit:
     /// the shear moves corners along its first two axes by what the third carries into them.
     #[inline(always)]
-    pub(crate) fn slack(&self, bounds: &[Vec3; 2]) -> Vec3 {
-        let reach = (bounds[0] - self.origin).abs().max((bounds[1] - self.origin).abs());
-        (reach + reach.to_array()[self.axes[2] as usize]) * ROUNDING * self.inverse.abs()
+    pub(crate) fn slack(&self, bounds: &[Vec3; 2]) -> Vec3A {
+        let (origin, inverse) = (Vec3A::from(self.origin), Vec3A::from(self.inverse));
+        let reach = (Vec3A::from(bounds[0]) - origin).abs().max((Vec3A::from(bounds[1]) - origin).abs());
+        let carried = Vec3A::splat(reach.to_array()[self.axes[2] as usize]);
+        (origin.abs() + reach + carried) * inverse.abs() * ROUNDING
     }
 
     /// A point, given along the permuted axes, in the space where the ray starts at the origin and runs along +z with

@@ -3,17 +3,17 @@
 use glam::{DVec3, Vec3};
 
 use crate::traced_ray::TracedRay;
-use crate::wide::{Found, Kernel, LANES, Packet};
+use crate::wide::{Found, Kernel, LANES, Packet, is_within_reach};
 
 #[derive(Clone, Copy)]
 pub(crate) struct Triangle(pub(crate) [Vec3; 3]);
 
 impl Triangle {
-    /// Whether it is finite and spans an area; anything else can neither be hit nor be given to the builder.
+    /// Whether it is finite, within reach and spans an area; anything else can neither be hit nor be given to the builder.
     pub(crate) fn is_proper(&self) -> bool {
         let [a, b, c] = self.0.map(Vec3::as_dvec3);
         let normal: DVec3 = (b - a).cross(c - a);
-        normal.is_finite() && normal != DVec3::ZERO
+        is_within_reach(TrianglePacket::bounds(self)) && self.0.iter().all(|p| p.is_finite()) && normal != DVec3::ZERO
     }
 }
 

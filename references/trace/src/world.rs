@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::body::{Body, Geometry};
 use crate::instance::{Instance, InstancePacket};
 use crate::traced_ray::TracedRay;
-use crate::wide::{Hierarchy, Id, Stack};
+use crate::wide::{BUNDLE, Bundle, Hierarchy, Id, Stack};
 
 /// A ray segment `origin + t·direction` with `t_min < t < t_max`.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,11 @@ impl World {
     /// For each ray, whether anything lies on its segment. Uses all cores when the batch is large.
     /// `blocked` has the length of `rays`.
     pub fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        in_chunks(rays, blocked, |ray, stacks| self.any(ray, stacks));
+        in_chunks(rays, blocked, |rays, blocked, stacks| {
+            for (rays, blocked) in rays.chunks(BUNDLE).zip(blocked.chunks_mut(BUNDLE)) {
+                self.any_of(rays.len(), |i| rays[i], blocked, stacks);
+            }
+        });
     }
 
     /// Occlusion of a bundle of rays that leave one receiver, on the calling thread.
@@ -76,21 +80,37 @@ impl World {
     pub fn occluded_from(&self, origin: Vec3, t_min: f32, directions: &[Vec3], blocked: &mut [bool]) {
         assert_eq!(directions.len(), blocked.len(), "one answer a direction");
         let mut stacks = Stacks::default();
-        for (direction, answer) in directions.iter().zip(blocked) {
-            *answer = self.any(&Ray { origin, direction: *direction, t_min, t_max: f32::INFINITY }, &mut stacks);
+        let ray = |direction| Ray { origin, direction, t_min, t_max: f32::INFINITY };
+        for (directions, blocked) in directions.chunks(BUNDLE).zip(blocked.chunks_mut(BUNDLE)) {
+            self.any_of(directions.len(), |i| ray(directions[i]), blocked, &mut stacks);
         }
     }
 
     /// For each ray, its closest hit. Uses all cores when the batch is large.
     /// `hits` has the length of `rays`.
     pub fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        in_chunks(rays, hits, |ray, stacks| self.nearest(ray, stacks));
+        in_chunks(rays, hits, |rays, hits, stacks| {
+            rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.nearest(ray, stacks));
+        });
     }
 
-    fn any(&self, ray: &Ray, stacks: &mut Stacks) -> bool {
-        TracedRay::new(ray.origin, ray.direction, ray.t_min).is_some_and(|traced| {
-            self.fixed.any(&traced, ray.t_max, &mut stacks.scratch) || self.moving.any(&traced, ray.t_max, stacks)
-        })
+    /// For up to [`BUNDLE`] rays.
+    fn any_of(&self, count: usize, ray: impl Fn(usize) -> Ray, blocked: &mut [bool], stacks: &mut Stacks) {
+        let mut traced = [TracedRay::NONE; BUNDLE];
+        let mut ends = [0.0; BUNDLE];
+        let mut open = 0;
+        for i in 0..count {
+            let Ray { origin, direction, t_min, t_max } = ray(i);
+            if let Some(ray) = TracedRay::new(origin, direction, t_min) {
+                traced[i] = ray;
+                open |= 1 << i;
+            }
+            ends[i] = t_max;
+        }
+        let bundle = Bundle { rays: &traced, ends: &ends, open };
+        let mut hit = self.fixed.any_of(bundle, &mut stacks.scratch);
+        hit |= self.moving.any_of(Bundle { open: open & !hit, ..bundle }, stacks);
+        blocked.iter_mut().enumerate().for_each(|(i, blocked)| *blocked = hit >> i & 1 == 1);
     }
 
     fn nearest(&self, ray: &Ray, stacks: &mut Stacks) -> Option<Hit> {
@@ -103,14 +123,9 @@ impl World {
 }
 
 /// Answers every ray; each answer depends on its ray alone, so the split changes no bit.
-fn in_chunks<A: Send>(rays: &[Ray], answers: &mut [A], ask: impl Fn(&Ray, &mut Stacks) -> A + Sync) {
+fn in_chunks<A: Send>(rays: &[Ray], answers: &mut [A], ask: impl Fn(&[Ray], &mut [A], &mut Stacks) + Sync) {
     assert_eq!(rays.len(), answers.len(), "one answer a ray");
-    let run = |(rays, answers): (&[Ray], &mut [A])| {
-        let mut stacks = Stacks::default();
-        for (ray, answer) in rays.iter().zip(answers) {
-            *answer = ask(ray, &mut stacks);
-        }
-    };
+    let run = |(rays, answers): (&[Ray], &mut [A])| ask(rays, answers, &mut Stacks::default());
     if rays.len() <= CHUNK {
         run((rays, answers));
     } else {

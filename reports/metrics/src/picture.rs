@@ -27,6 +27,16 @@ pub struct Picture<'a> {
     pub layout: Layout,
 }
 
+impl Picture<'_> {
+    /// How many receivers the layout has.
+    pub(crate) fn receivers(&self) -> usize {
+        match self.layout {
+            Layout::Image { width, height } => width.saturating_mul(height),
+            Layout::List => self.radiance.len(),
+        }
+    }
+}
+
 /// Why two pictures cannot be compared. A comparison that says nothing is an error, never a pass.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum CompareError {
@@ -69,10 +79,7 @@ pub(crate) fn common(x: &Picture, reference: &Picture, error: &[Vec3]) -> Result
     if x.layout != reference.layout {
         return Err(CompareError::Layout { picture: x.layout, reference: reference.layout });
     }
-    let count = match x.layout {
-        Layout::Image { width, height } => width.saturating_mul(height),
-        Layout::List => x.radiance.len(),
-    };
+    let count = x.receivers();
     for (what, actual) in [
         ("the picture's radiance", x.radiance.len()),
         ("the picture's validity", x.valid.len()),

@@ -8,7 +8,9 @@ use crate::manifests::{Manifest, members};
 /// `methods/` is a family.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("references/trace", &[]),
-    ("methods/sh", &[]),
+    ("methods/sh/kernels", &[]),
+    ("methods/sh", &["methods/sh/kernels"]),
+    ("methods/sh/generate", &["methods/sh"]),
     ("harness/revision", &[]),
     ("harness/results", &[]),
     ("reports/metrics", &[]),

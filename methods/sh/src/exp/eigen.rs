@@ -3,7 +3,7 @@
 use super::{ExpWorkspace, LARGEST, Work, renormalise};
 use crate::eigen::SymmetricEigen;
 use crate::order::{MAX_COEFFICIENTS, SQRT_4_PI, assert_vector};
-use crate::real::Real;
+use halflight_sh_kernels::Real;
 
 /// The product matrix and its decomposition.
 #[derive(Clone, Debug, Default)]

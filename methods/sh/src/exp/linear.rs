@@ -5,8 +5,9 @@ use std::sync::OnceLock;
 use super::{ExpWorkspace, SquaringRule, Work, norm, restore, scale_by_power};
 use crate::circle::{CircleTable, circle_log, circle_visibility, log_kinks};
 use crate::order::{MAX_ORDER, SQRT_4_PI, assert_vector};
-use crate::real::Real;
+use crate::pieces::{Pieces, of_precision};
 use crate::table::Table;
+use halflight_sh_kernels::Real;
 
 /// Intervals of the table, and of the search for the end of its domain.
 const INTERVALS: usize = 256;
@@ -14,6 +15,8 @@ const INTERVALS: usize = 256;
 /// The coefficients `a` and `b` of `exp f̂ ≈ a·1 + b·f̂` against `‖f̂‖`, fitted to circles (Ren 2006, eqs. 23–24).
 struct LinearTable {
     table: Table,
+    /// Where the curves have kinks.
+    kinks: Vec<f64>,
     /// Up to here the circles' `‖f̂‖` grows with their radius, so that it identifies them: the table's end. Interpolation
     /// errs by up to 2e-4 just before an end where the growth stops (orders 3 and up), below 1e-5 elsewhere.
     end: f64,
@@ -52,7 +55,7 @@ impl LinearTable {
             }
             out.copy_from_slice(&fit_circle(order, high));
         });
-        Self { table, end, unclipped }
+        Self { table, kinks, end, unclipped }
     }
 
     /// `a` and `b` at a norm. Past the table's end, `a` and the length of `b·f̂` stay as they are there.
@@ -83,6 +86,25 @@ fn fit_circle(order: usize, height: f64) -> [f64; 2] {
     let length = dot(&f, &f);
     let slope = if length > 0.0 { scale * dot(&g, &f) / length } else { 1.0 };
     [scale * g[0] / SQRT_4_PI, slope]
+}
+
+/// The table of an order, at least 2, as pieces, and where it ends.
+pub(crate) fn linear_pieces<T: Real>(order: usize) -> (&'static Pieces<T>, f64) {
+    static FITS: [OnceLock<(Pieces<f32>, Pieces<f64>)>; MAX_ORDER] = [const { OnceLock::new() }; MAX_ORDER];
+    let table = linear_table(order);
+    let (single, double) = FITS[order - 1].get_or_init(|| {
+        let breaks = [&[0.0], table.kinks.as_slice(), &[table.end]].concat();
+        let f = |norm: f64, out: &mut [f64]| out.copy_from_slice(&table.lookup::<f64>(norm));
+        // Squaring doubles a relative error, and the shorter a vector was made, the oftener it is squared.
+        let weight = |norm: f64| 1.0 / (norm + 0.05);
+        (Pieces::fit(2, &breaks, weight, f), Pieces::fit(2, &breaks, weight, f))
+    });
+    (of_precision(single, double), table.end)
+}
+
+/// The norm up to which no eigenvalue of a circle's logarithm was clipped.
+pub(crate) fn unclipped_norm(order: usize) -> f64 {
+    if order > 1 { linear_table(order).unclipped } else { 1.0 }
 }
 
 impl<T: Real> ExpWorkspace<T> {

@@ -24,11 +24,13 @@ mod series;
 use std::f64::consts::LN_2;
 
 pub use exact::exact;
+pub(crate) use linear::{linear_pieces, unclipped_norm};
 
+use crate::batch::Batch;
 use crate::gamma::{Gamma, gamma};
 use crate::order::{SQRT_4_PI, assert_vector, coefficients};
-use crate::real::Real;
 use eigen::EigenScratch;
+use halflight_sh_kernels::Real;
 
 /// No coefficient of a result exceeds this.
 const LARGEST: f64 = 1e30;
@@ -79,6 +81,7 @@ impl SquaringRule {
 pub struct ExpWorkspace<T> {
     order: usize,
     gamma: &'static Gamma,
+    batch: Batch,
     /// The vector to be exponentiated, without its mean and scaled down.
     residual: Vec<T>,
     scratch: Vec<T>,
@@ -100,6 +103,7 @@ impl<T: Real> ExpWorkspace<T> {
         Self {
             order,
             gamma,
+            batch: Batch::new(order),
             residual: zeros.clone(),
             scratch: zeros.clone(),
             term: zeros,
@@ -127,7 +131,7 @@ impl<T: Real> ExpWorkspace<T> {
         let mut exponent = 0.0;
         for _ in 0..count {
             exponent = 2.0 * (exponent + renormalise(value));
-            self.gamma.square(value, &mut self.scratch);
+            self.batch.single_square(value, &mut self.scratch);
             value.copy_from_slice(&self.scratch);
         }
         exponent

@@ -2,7 +2,7 @@
 
 use super::{ExpWorkspace, SquaringRule, Work, renormalise, restore, scale_by_power};
 use crate::order::{SQRT_4_PI, assert_vector};
-use crate::real::Real;
+use halflight_sh_kernels::Real;
 
 /// The highest degree of PS*-p.
 const MAX_FACTORED_DEGREE: usize = 20;
@@ -29,7 +29,7 @@ impl<T: Real> ExpWorkspace<T> {
             if power == 1 {
                 self.term.copy_from_slice(&self.residual); // f * 1 = f
             } else {
-                self.gamma.product(&self.residual, &self.term, &mut self.scratch);
+                self.batch.single_product(&self.residual, &self.term, &mut self.scratch);
                 let divisor = T::from_f64(power as f64);
                 self.term.iter_mut().zip(&self.scratch).for_each(|(t, &v)| *t = v / divisor);
             }
@@ -84,7 +84,7 @@ impl<T: Real> ExpWorkspace<T> {
         if degree < 3 {
             add_scaled(out, 1.0, &self.residual); // the odd factor is 1
         } else {
-            self.gamma.product(&self.residual, &self.term, &mut self.scratch);
+            self.batch.single_product(&self.residual, &self.term, &mut self.scratch);
             add_scaled(out, 1.0, &self.scratch);
             work.products += 1;
         }
@@ -103,9 +103,9 @@ impl<T: Real> ExpWorkspace<T> {
             let power = |k: usize| &done[(k - 1) * size..k * size];
             let next = &mut rest[..size];
             match k {
-                1 => self.gamma.square(&self.residual, next),
-                _ if k % 2 == 0 => self.gamma.square(power(k / 2), next),
-                _ => self.gamma.product(power(k - 1), power(1), next),
+                1 => self.batch.single_square(&self.residual, next),
+                _ if k % 2 == 0 => self.batch.single_square(power(k / 2), next),
+                _ => self.batch.single_product(power(k - 1), power(1), next),
             }
             *if k > 1 && k % 2 == 1 { &mut work.products } else { &mut work.squares } += 1;
         }

@@ -7,10 +7,10 @@ use halflight_sh::{
 };
 use proptest::prelude::*;
 
-type Matrix = [[f64; 3]; 3];
+pub(crate) type Matrix = [[f64; 3]; 3];
 
 /// Rotation about a unit axis (Rodrigues).
-fn rotation_about([x, y, z]: [f64; 3], angle: f64) -> Matrix {
+pub(crate) fn rotation_about([x, y, z]: [f64; 3], angle: f64) -> Matrix {
     let (s, c) = angle.sin_cos();
     let d = 1.0 - c;
     [

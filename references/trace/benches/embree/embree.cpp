@@ -1,6 +1,6 @@
 // Embree's side of the comparison: one mesh, its default and its robust mode, single rays on one thread.
-// Reads the mesh and rays (all with t from 0 to infinity) from files, then obeys lines `MODE` on standard input,
-// 0 default, 1 robust, by tracing all rays and answering `SECONDS BLOCKED`.
+// Reads the mesh and rays (all with t from 0 to infinity) from files, then obeys lines `MODE FIRST COUNT` on standard
+// input, mode 0 default, 1 robust, by tracing these rays and answering `SECONDS BLOCKED`.
 #include <chrono>
 #include <cstdio>
 #include <limits>
@@ -20,8 +20,8 @@ template <typename T> std::vector<T> read(const char* path) {
   return values;
 }
 
-int main(int count, char** arguments) {
-  if (count != 4) { fprintf(stderr, "usage: embree VERTICES TRIANGLES RAYS\n"); return 2; }
+int main(int argc, char** arguments) {
+  if (argc != 4) { fprintf(stderr, "usage: embree VERTICES TRIANGLES RAYS\n"); return 2; }
   // As Embree's manual asks for speed.
   _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
@@ -44,10 +44,11 @@ int main(int count, char** arguments) {
     rtcCommitScene(scene);
   }
   int mode;
-  while (scanf("%d", &mode) == 1) {
+  size_t first, rays_asked;
+  while (scanf("%d %zu %zu", &mode, &first, &rays_asked) == 3) {
     size_t blocked = 0;
     auto start = std::chrono::steady_clock::now();
-    for (size_t i = 0; i < rays.size(); i += 6) {
+    for (size_t i = 6 * first; i < 6 * (first + rays_asked); i += 6) {
       RTCIntersectContext context;
       rtcInitIntersectContext(&context);
       RTCRay ray = {};

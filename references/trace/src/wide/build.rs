@@ -92,18 +92,18 @@ impl<P: Packet> Writer<'_, P> {
 }
 
 impl Node {
-    const EMPTY: Node = Node { corners: [[[0.0; LANES]; 3]; 2], children: [Child(0); LANES], occupied: 0 };
+    const EMPTY: Node = Node { planes: [[[0.0; LANES]; 2]; 3], children: [Child(0); LANES], occupied: 0 };
 
     fn set(&mut self, lane: usize, aabb: &Aabb, child: Child) {
-        self.set_corners(lane, aabb.min.to_array(), aabb.max.to_array());
+        self.set_box(lane, aabb.min.to_array(), aabb.max.to_array());
         self.children[lane] = child;
         self.occupied |= 1 << lane;
     }
 
-    pub(super) fn set_corners(&mut self, lane: usize, low: [f32; 3], high: [f32; 3]) {
+    pub(super) fn set_box(&mut self, lane: usize, low: [f32; 3], high: [f32; 3]) {
         for axis in 0..3 {
-            self.corners[0][axis][lane] = low[axis];
-            self.corners[1][axis][lane] = high[axis];
+            self.planes[axis][0][lane] = low[axis];
+            self.planes[axis][1][lane] = high[axis];
         }
     }
 
@@ -114,7 +114,7 @@ impl Node {
 
     /// Lowest and highest corners of the children.
     pub(super) fn boxes(&self) -> impl Iterator<Item = [Vec3; 2]> {
-        let corner = |side: usize, lane: usize| Vec3::from(self.corners[side].map(|axis| axis[lane]));
+        let corner = |side: usize, lane: usize| Vec3::from(self.planes.each_ref().map(|axis| axis[side][lane]));
         (0..self.count()).map(move |lane| [corner(0, lane), corner(1, lane)])
     }
 }

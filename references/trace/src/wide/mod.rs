@@ -4,6 +4,7 @@ mod build;
 mod collapse;
 mod kernel;
 mod refit;
+mod stream;
 #[cfg(test)]
 mod tests;
 mod traverse;
@@ -13,9 +14,21 @@ use glam::Vec3;
 use crate::traced_ray::TracedRay;
 pub(crate) use kernel::Kernel;
 use kernel::Level;
+use traverse::ones;
 
 /// Children of a node and primitives of a packet.
 pub(crate) const LANES: usize = 8;
+
+/// Farthest coordinate of what can be built: areas of boxes stay finite.
+const FARTHEST: f32 = 1e18;
+
+/// Whether a box lies within [`FARTHEST`]; never for what is not a number.
+pub(crate) fn is_within_reach(corners: [Vec3; 2]) -> bool {
+    corners.iter().all(|corner| corner.abs().cmple(Vec3::splat(FARTHEST)).all())
+}
+
+/// Rays that are traced together.
+pub(crate) const BUNDLE: usize = 64;
 
 /// The mask in which every lane counts.
 pub(crate) const ALL_LANES: u32 = (1 << LANES) - 1;
@@ -31,7 +44,7 @@ pub(crate) trait Packet {
     /// The most primitives of a leaf, at most [`LANES`].
     const CAPACITY: usize = LANES;
 
-    /// Lowest and highest corner, finite.
+    /// Lowest and highest corner.
     fn bounds(primitive: &Self::Primitive) -> [Vec3; 2];
 
     /// At least one and at most `CAPACITY` primitives, in this order; lanes that are left over are never asked for.
@@ -44,11 +57,32 @@ pub(crate) trait Packet {
     fn hit(&self, lane: usize, ray: &TracedRay, t_max: f32, scratch: &mut Self::Scratch)
     -> Option<Found<Self::Detail>>;
 
+    /// Of the open rays, those that hit any of the lanes.
+    #[inline(always)]
+    fn blocks_of<K: Kernel>(&self, kernel: K, lanes: u32, bundle: Bundle<'_>, scratch: &mut Self::Scratch) -> u64 {
+        let mut blocked = 0;
+        for i in bundle.open() {
+            let (ray, end) = (&bundle.rays[i], bundle.ends[i]);
+            let hit = ones(self.candidates(kernel, ray) & lanes).any(|lane| self.blocks(lane, ray, end, scratch));
+            blocked |= u64::from(hit) << i;
+        }
+        blocked
+    }
+
     /// Whether there is such a hit.
     #[inline(always)]
     fn blocks(&self, lane: usize, ray: &TracedRay, t_max: f32, scratch: &mut Self::Scratch) -> bool {
         self.hit(lane, ray, t_max, scratch).is_some()
     }
+}
+
+/// Up to [`BUNDLE`] rays that are traced together, with the ends of their segments.
+#[derive(Clone, Copy)]
+pub(crate) struct Bundle<'a> {
+    pub(crate) rays: &'a [TracedRay; BUNDLE],
+    pub(crate) ends: &'a [f32; BUNDLE],
+    /// A mask of those that count.
+    pub(crate) open: u64,
 }
 
 /// A hit of one primitive.
@@ -65,11 +99,11 @@ pub(crate) struct Id {
     pub(crate) primitive: u32,
 }
 
-/// Boxes by corner, axis and lane, and what lies in them. Four cache lines.
+/// Boxes by axis, side (low, high) and lane, and what lies in them. Four cache lines.
 #[repr(C, align(64))]
 #[derive(Clone)]
 pub(crate) struct Node {
-    corners: [[[f32; LANES]; 3]; 2],
+    planes: [[[f32; LANES]; 2]; 3],
     children: [Child; LANES],
     /// Mask of the lanes that hold a child.
     occupied: u32,
@@ -100,6 +134,8 @@ pub(crate) struct Hierarchy<P> {
 pub(crate) struct Stack<S = ()> {
     children: Vec<Child>,
     nears: Vec<f32>,
+    groups: Vec<stream::Group>,
+    boxes: Vec<kernel::BoxRay>,
     /// What the primitives' tests need.
     pub(crate) scratch: S,
 }
@@ -140,7 +176,7 @@ enum Opened {
 }
 
 impl<P: Packet> Hierarchy<P> {
-    /// Every primitive must have finite bounds.
+    /// Every primitive must be within reach.
     pub(crate) fn build(items: &[(P::Primitive, Id)]) -> Self {
         build::build(items, Level::of_this_machine())
     }
@@ -153,6 +189,20 @@ impl<P: Packet> Hierarchy<P> {
     /// Whether anything lies on the segment: stops at the first thing found.
     pub(crate) fn any(&self, ray: &TracedRay, t_max: f32, stack: &mut Stack<P::Scratch>) -> bool {
         !self.nodes.is_empty() && self.level.any(self, ray, t_max, stack)
+    }
+
+    /// Of the open rays, those that anything lies on before their ends.
+    pub(crate) fn any_of(&self, bundle: Bundle<'_>, stack: &mut Stack<P::Scratch>) -> u64 {
+        if self.nodes.is_empty() || bundle.open == 0 { 0 } else { self.level.any_of(self, bundle, stack) }
+    }
+
+    /// Asks the memory for a child that is to be visited soon.
+    #[inline(always)]
+    fn fetch<K: Kernel>(&self, kernel: K, child: Child) {
+        match child.open() {
+            Opened::Node(index) => kernel.fetch(&self.nodes[index]),
+            Opened::Packet { index, .. } => kernel.fetch(&self.packets[index]),
+        }
     }
 
     /// The nearest thing on the segment; of those at the same distance, the first in the tree.

@@ -33,7 +33,7 @@ impl<P: Packet> Hierarchy<P> {
                         primitives.iter().map(P::bounds).reduce(union)?
                     }
                 };
-                nodes[at].set_corners(lane, low.to_array(), high.to_array());
+                nodes[at].set_box(lane, low.to_array(), high.to_array());
                 whole = Some(whole.map_or([low, high], |others| union(others, [low, high])));
             }
             bounds[at] = whole?;

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::build::build;
 use super::kernel::Level;
-use super::{Child, Hierarchy, Id, Opened, Stack};
+use super::{BUNDLE, Bundle, Child, Hierarchy, Id, Opened, Stack};
 use crate::traced_ray::TracedRay;
 use crate::triangle::{Triangle, TrianglePacket};
 
@@ -76,7 +76,16 @@ fn every_kernel_gives_the_bits_of_the_scalar_one() {
                 assert_eq!(any, closest.is_some());
                 closest.map(|(found, id)| (found.t.to_bits(), found.detail.map(f32::to_bits), id))
             };
-            rays.iter().enumerate().map(&mut answer).collect::<Vec<_>>()
+            let closest: Vec<_> = rays.iter().enumerate().map(&mut answer).collect();
+            for (first, chunk) in (0..).step_by(BUNDLE).zip(rays.chunks_exact(BUNDLE)) {
+                let rays = std::array::from_fn(|i| chunk[i]);
+                let ends = std::array::from_fn(|i| if (first + i) % 3 == 0 { 1.5 } else { f32::INFINITY });
+                // Some bundles whole, some with few rays, which walk alone.
+                let open = if first % 512 == 0 { u64::MAX } else { 0x1234_5678_9abc_def0 >> (first / BUNDLE % 64) };
+                let hit = (0..BUNDLE).fold(0, |hit, i| hit | u64::from(closest[first + i].is_some()) << i);
+                assert_eq!(tree.any_of(Bundle { rays: &rays, ends: &ends, open }, &mut stack), hit & open, "{level:?}");
+            }
+            closest
         };
         let expected = answers(Level::all()[0]);
         hit += expected.iter().flatten().count();

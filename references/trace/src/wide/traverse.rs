@@ -13,20 +13,42 @@ pub(super) fn any<P: Packet, K: Kernel>(
     t_max: f32,
     stack: &mut Stack<P::Scratch>,
 ) -> bool {
-    let boxes = BoxRay::new(ray, &tree.bounds);
+    let alone = Alone { ray, boxes: &BoxRay::new(ray, &tree.bounds), t_max };
     stack.children.resize(tree.waiting, Child::default());
-    let (waiting, scratch) = (&mut stack.children[..], &mut stack.scratch);
-    let (mut top, mut child) = (0, Child::node(0));
+    walk(kernel, tree, alone, Child::node(0), &mut stack.children, &mut stack.scratch)
+}
+
+/// A ray on its own way, as primitives and as boxes see it.
+pub(super) struct Alone<'a> {
+    pub(super) ray: &'a TracedRay,
+    pub(super) boxes: &'a BoxRay,
+    pub(super) t_max: f32,
+}
+
+/// Whether anything is hit from a child on downward.
+#[inline(always)]
+pub(super) fn walk<P: Packet, K: Kernel>(
+    kernel: K,
+    tree: &Hierarchy<P>,
+    Alone { ray, boxes, t_max }: Alone<'_>,
+    mut child: Child,
+    waiting: &mut [Child],
+    scratch: &mut P::Scratch,
+) -> bool {
+    let mut top = 0;
     loop {
         match child.open() {
             Opened::Node(index) => {
                 let node = &tree.nodes[index];
-                let entered = kernel.enter(node, &boxes, t_max).0 & node.occupied;
+                let entered = kernel.enter(node, boxes, t_max).0 & node.occupied;
                 if entered != 0 {
                     // The last one is taken at once, without the detour through memory.
-                    let room = waiting[top..].first_chunk_mut().expect("room for one more node, by the tree's depth");
+                    let room: &mut [Child; LANES] =
+                        waiting[top..].first_chunk_mut().expect("room for one more node, by the tree's depth");
                     kernel.push(&node.children, entered, room);
-                    top += entered.count_ones() as usize - 1;
+                    let others = entered.count_ones() as usize - 1;
+                    room[..others].iter().for_each(|other| tree.fetch(kernel, *other));
+                    top += others;
                     child = node.children[(entered.ilog2() as usize) % LANES];
                     continue;
                 }
@@ -90,7 +112,7 @@ pub(super) fn closest<P: Packet, K: Kernel>(
 
 /// The lanes of a mask, ascending.
 #[inline(always)]
-fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(super) fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = mask.trailing_zeros();
         (mask != 0).then(|| {

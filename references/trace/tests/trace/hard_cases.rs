@@ -43,6 +43,32 @@ fn a_closed_mesh_does_not_leak_at_its_edges() {
     }
 }
 
+/// Distances to planes that a ray is nearly parallel to are beyond all others.
+#[test]
+fn a_closed_mesh_does_not_leak_where_f32_ends() {
+    for scale in [1e12, 1e15, 1e17] {
+        let mut random = Random(9);
+        let (mut positions, triangles) = closed_mesh(24, &mut random);
+        positions.iter_mut().for_each(|p| *p *= scale);
+        let world = World::build(&[Geometry::Triangles { positions: &positions, triangles: &triangles }]);
+        let rays = (0..3000).map(|i| {
+            let slant = random.point() * [0.0, 1e-20, 1e-9][i % 3];
+            ray(random.point() * 0.2 * scale, (Vec3::AXES[i / 3 % 3] + slant).normalize())
+        });
+        let escaped = blocked(&world, &rays.collect::<Vec<_>>()).iter().filter(|b| !**b).count();
+        assert_eq!(escaped, 0, "at scale {scale}");
+    }
+}
+
+#[test]
+fn what_is_too_far_away_is_left_out() {
+    let mut random = Random(10);
+    let (mut positions, triangles) = closed_mesh(24, &mut random);
+    positions.iter_mut().for_each(|p| *p *= 1e28);
+    let world = World::build(&[Geometry::Triangles { positions: &positions, triangles: &triangles }]);
+    assert_eq!(blocked(&world, &[ray(Vec3::ZERO, Vec3::Z)]), [false]);
+}
+
 #[test]
 fn rays_along_the_axes_hit_shared_edges_and_faces_of_boxes() {
     // A grid in the plane z = 0: axis-parallel rays run exactly through vertices and along box faces.

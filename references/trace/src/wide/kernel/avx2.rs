@@ -2,8 +2,10 @@
 
 use std::arch::x86_64::*;
 
-use super::super::{ALL_LANES, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, traverse};
-use super::{BoxRay, Kernel};
+use super::super::{
+    ALL_LANES, BUNDLE, Bundle, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, stream, traverse,
+};
+use super::{BoxRay, FAR, Kernel};
 use crate::traced_ray::TracedRay;
 
 /// Proof that AVX2, FMA and the instructions that count bits are there: made by [`Avx2::detect`] only.
@@ -37,6 +39,25 @@ impl Avx2 {
         }
         // SAFETY: `self` proves the features.
         unsafe { compiled(self, tree, ray, t_max, stack) }
+    }
+
+    pub(super) fn any_of<P: Packet>(
+        self,
+        tree: &Hierarchy<P>,
+        bundle: Bundle<'_>,
+        stack: &mut Stack<P::Scratch>,
+    ) -> u64 {
+        #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+        fn compiled<P: Packet>(
+            kernel: Avx2,
+            tree: &Hierarchy<P>,
+            bundle: Bundle<'_>,
+            stack: &mut Stack<P::Scratch>,
+        ) -> u64 {
+            stream::any_of(kernel, tree, bundle, stack)
+        }
+        // SAFETY: `self` proves the features.
+        unsafe { compiled(self, tree, bundle, stack) }
     }
 
     pub(super) fn closest<P: Packet>(
@@ -75,6 +96,17 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
+    fn fetch<T>(self, value: &T) {
+        fetch(value);
+    }
+
+    #[inline(always)]
+    fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES] {
+        // SAFETY: `self` proves the features.
+        unsafe { transpose(masks) }
+    }
+
+    #[inline(always)]
     fn push(self, children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
         // SAFETY: `self` proves the features.
         unsafe { push(children, mask, room) }
@@ -87,13 +119,11 @@ impl Kernel for Avx2 {
 pub(super) fn interval(node: &Node, ray: &BoxRay, t_max: f32) -> (__m256, __m256) {
     let (mut near, mut far) = (_mm256_set1_ps(ray.t_min), _mm256_set1_ps(t_max));
     for axis in 0..3 {
-        let origin = _mm256_set1_ps(ray.origin[axis]);
         let inverse = _mm256_set1_ps(ray.inverse[axis]);
-        let slack = _mm256_set1_ps(ray.slack[axis]);
-        let first = load(&node.corners[usize::from(ray.negative[axis])][axis]);
-        let last = load(&node.corners[usize::from(!ray.negative[axis])][axis]);
-        let first = _mm256_fmsub_ps(_mm256_sub_ps(first, origin), inverse, slack);
-        let last = _mm256_fmadd_ps(_mm256_sub_ps(last, origin), inverse, slack);
+        // SAFETY: `BoxRay::new` made the places of these planes, which the node holds.
+        let [first, last] = unsafe { [plane(node, ray.first[axis]), plane(node, ray.first[axis] ^ FAR)] };
+        let first = _mm256_fmsub_ps(first, inverse, _mm256_set1_ps(ray.offsets[0][axis]));
+        let last = _mm256_fmsub_ps(last, inverse, _mm256_set1_ps(ray.offsets[1][axis]));
         // The second operand is kept where the first is not a number: it cuts nothing off.
         near = _mm256_max_ps(first, near);
         far = _mm256_min_ps(last, far);
@@ -163,6 +193,40 @@ fn push(children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
         let children = _mm256_loadu_si256(children.as_ptr().cast());
         _mm256_storeu_si256(room.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(children, order));
     }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+fn transpose(masks: &[u8; BUNDLE]) -> [u64; LANES] {
+    // SAFETY: the array holds the two times 32 bytes that are read.
+    let [low, high] = [0, 32].map(|at| unsafe { _mm256_loadu_si256(masks[at..].as_ptr().cast()) });
+    let mut rays = [0; LANES];
+    for (lane, rays) in rays.iter_mut().enumerate() {
+        // The lane's bit comes to the top of its byte; what the shift carries over stays below it.
+        let up = _mm_cvtsi32_si128((LANES - 1 - lane) as i32);
+        let low = _mm256_movemask_epi8(_mm256_sll_epi64(low, up)) as u32;
+        let high = _mm256_movemask_epi8(_mm256_sll_epi64(high, up)) as u32;
+        *rays = u64::from(low) | u64::from(high) << 32;
+    }
+    rays
+}
+
+#[inline(always)]
+pub(super) fn fetch<T>(value: &T) {
+    const LINE: usize = 64;
+    for at in (0..size_of::<T>()).step_by(LINE) {
+        // SAFETY: a hint reads nothing, and these instructions are part of x86-64.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>((&raw const *value).cast::<i8>().wrapping_add(at)) };
+    }
+}
+
+/// # Safety
+/// `place` must be that of a row of [`Node::planes`], in bytes.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+unsafe fn plane(node: &Node, place: u32) -> __m256 {
+    // SAFETY: the caller's, and nodes are aligned to more than a row.
+    unsafe { _mm256_load_ps((&raw const node.planes).byte_add(place as usize).cast()) }
 }
 
 #[inline]

@@ -4,17 +4,21 @@
 
 use std::arch::x86_64::*;
 
-use super::super::{ALL_LANES, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, traverse};
+use super::super::{
+    ALL_LANES, BUNDLE, Bundle, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack, stream, traverse,
+};
 use super::{BoxRay, Kernel, avx2};
 use crate::traced_ray::TracedRay;
 
-/// Proof that AVX-512 F and VL are there besides all that [`avx2::Avx2`] proves: made by [`Avx512::detect`] only.
+/// Proof that AVX-512 F, VL and BW are there besides all that [`avx2::Avx2`] proves: made by [`Avx512::detect`] only.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx512(());
 
 impl Avx512 {
     pub(super) fn detect() -> Option<Self> {
-        let wide = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
+        let wide = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512bw");
         avx2::Avx2::detect().filter(|_| wide).map(|_| Avx512(()))
     }
 
@@ -25,7 +29,7 @@ impl Avx512 {
         t_max: f32,
         stack: &mut Stack<P::Scratch>,
     ) -> bool {
-        #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl")]
+        #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw")]
         fn compiled<P: Packet>(
             k: Avx512,
             tree: &Hierarchy<P>,
@@ -39,6 +43,25 @@ impl Avx512 {
         unsafe { compiled(self, tree, ray, t_max, stack) }
     }
 
+    pub(super) fn any_of<P: Packet>(
+        self,
+        tree: &Hierarchy<P>,
+        bundle: Bundle<'_>,
+        stack: &mut Stack<P::Scratch>,
+    ) -> u64 {
+        #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw")]
+        fn compiled<P: Packet>(
+            kernel: Avx512,
+            tree: &Hierarchy<P>,
+            bundle: Bundle<'_>,
+            stack: &mut Stack<P::Scratch>,
+        ) -> u64 {
+            stream::any_of(kernel, tree, bundle, stack)
+        }
+        // SAFETY: `self` proves the features.
+        unsafe { compiled(self, tree, bundle, stack) }
+    }
+
     pub(super) fn closest<P: Packet>(
         self,
         tree: &Hierarchy<P>,
@@ -46,7 +69,7 @@ impl Avx512 {
         t_max: f32,
         stack: &mut Stack<P::Scratch>,
     ) -> Option<(Found<P::Detail>, Id)> {
-        #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl")]
+        #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw")]
         fn compiled<P: Packet>(
             kernel: Avx512,
             tree: &Hierarchy<P>,
@@ -75,6 +98,17 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
+    fn fetch<T>(self, value: &T) {
+        avx2::fetch(value);
+    }
+
+    #[inline(always)]
+    fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES] {
+        // SAFETY: `self` proves the features.
+        unsafe { transpose(masks) }
+    }
+
+    #[inline(always)]
     fn push(self, children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
         // SAFETY: `self` proves the features.
         unsafe { push(children, mask, room) }
@@ -82,7 +116,7 @@ impl Kernel for Avx512 {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl")]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw")]
 fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
     let (near, far) = avx2::interval(node, ray, t_max);
     let mut nears = [0.0; LANES];
@@ -92,7 +126,7 @@ fn enter(node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl")]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw")]
 fn straddling(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
     let (lowest, highest) = avx2::extremes(corners, ray);
     let zero = _mm256_setzero_ps();
@@ -102,7 +136,7 @@ fn straddling(corners: &[[[f32; LANES]; 3]; 3], ray: &TracedRay) -> u32 {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl")]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw")]
 fn push(children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
     // SAFETY: a `Child` is a transparent `u32`, and both arrays hold eight.
     unsafe {
@@ -110,4 +144,16 @@ fn push(children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]) {
         // Compressed in a register: compressing straight to memory is slow on Zen 4.
         _mm256_storeu_si256(room.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(mask as __mmask8, children));
     }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw")]
+fn transpose(masks: &[u8; BUNDLE]) -> [u64; LANES] {
+    // SAFETY: the array holds the 64 bytes that are read.
+    let masks = unsafe { _mm512_loadu_si512(masks.as_ptr().cast()) };
+    let mut rays = [0; LANES];
+    for (lane, rays) in rays.iter_mut().enumerate() {
+        *rays = _mm512_test_epi8_mask(masks, _mm512_set1_epi8((1u8 << lane).cast_signed()));
+    }
+    rays
 }

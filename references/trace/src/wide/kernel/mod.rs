@@ -6,9 +6,9 @@ mod avx2;
 mod avx512;
 mod scalar;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
-use super::{Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
+use super::{BUNDLE, Bundle, Child, Found, Hierarchy, Id, LANES, Node, Packet, Stack};
 use crate::traced_ray::TracedRay;
 
 /// A set of instructions. A value of it is proof that the machine has them.
@@ -25,28 +25,39 @@ pub(crate) trait Kernel: Copy {
 
     /// Writes the children in `mask` to the front of `room`, in their order; what follows them there is void.
     fn push(self, children: &[Child; LANES], mask: u32, room: &mut [Child; LANES]);
+
+    /// Asks the memory for a value that is to be read soon.
+    fn fetch<T>(self, value: &T);
+
+    /// For each lane, the mask of the rays whose masks of lanes hold it.
+    fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES];
 }
 
-/// A ray as the boxes of one tree see it.
+/// A ray as the boxes of one tree see it: it meets a plane at `plane·inverse − offset`. The offsets give way by what
+/// rounding may add up to. One cache line.
+#[repr(align(64))]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct BoxRay {
-    origin: Vec3,
-    inverse: Vec3,
-    slack: Vec3,
-    /// Where the direction is negative, the ray meets the box's highest corner first.
-    negative: [bool; 3],
+    inverse: [f32; 3],
+    /// Of the planes that are met first, and of those met last.
+    offsets: [[f32; 3]; 2],
+    /// Where the planes met first lie in [`Node::planes`], in bytes; those met last lie at [`FAR`] from there.
+    first: [u32; 3],
     t_min: f32,
 }
+
+/// What turns the place of one of a pair of planes into that of the other, by exclusive or.
+const FAR: u32 = (LANES * size_of::<f32>()) as u32;
 
 impl BoxRay {
     #[inline(always)]
     pub(super) fn new(ray: &TracedRay, bounds: &[Vec3; 2]) -> Self {
-        BoxRay {
-            origin: ray.origin,
-            inverse: ray.inverse,
-            slack: ray.slack(bounds),
-            negative: ray.inverse.to_array().map(f32::is_sign_negative),
-            t_min: ray.t_min,
-        }
+        let inverse = Vec3A::from(ray.inverse);
+        let (at_origin, slack) = (Vec3A::from(ray.origin) * inverse, ray.slack(bounds));
+        let (near, far) = (at_origin + slack, at_origin - slack);
+        let first = |axis: u32, inverse: f32| 2 * axis * FAR + if inverse.is_sign_negative() { FAR } else { 0 };
+        let first = [first(0, ray.inverse.x), first(1, ray.inverse.y), first(2, ray.inverse.z)];
+        BoxRay { inverse: inverse.into(), offsets: [near.into(), far.into()], first, t_min: ray.t_min }
     }
 }
 
@@ -88,6 +99,21 @@ impl Level {
             Level::Avx2(kernel) => kernel.any(tree, ray, t_max, stack),
             #[cfg(target_arch = "x86_64")]
             Level::Avx512(kernel) => kernel.any(tree, ray, t_max, stack),
+        }
+    }
+
+    pub(super) fn any_of<P: Packet>(
+        self,
+        tree: &Hierarchy<P>,
+        bundle: Bundle<'_>,
+        stack: &mut Stack<P::Scratch>,
+    ) -> u64 {
+        match self {
+            Level::Scalar(kernel) => super::stream::any_of(kernel, tree, bundle, stack),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(kernel) => kernel.any_of(tree, bundle, stack),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(kernel) => kernel.any_of(tree, bundle, stack),
         }
     }
 

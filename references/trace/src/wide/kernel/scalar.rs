@@ -1,7 +1,7 @@
 //! Lane by lane, for any machine; what the other kernels are tested against.
 
-use super::super::{Child, LANES, Node};
-use super::{BoxRay, Kernel};
+use super::super::{BUNDLE, Child, LANES, Node};
+use super::{BoxRay, FAR, Kernel};
 use crate::traced_ray::TracedRay;
 
 #[derive(Clone, Copy, Debug)]
@@ -12,12 +12,12 @@ impl Kernel for Scalar {
     fn enter(self, node: &Node, ray: &BoxRay, t_max: f32) -> (u32, [f32; LANES]) {
         let (mut nears, mut fars) = ([ray.t_min; LANES], [t_max; LANES]);
         for axis in 0..3 {
-            let distance = |plane: f32| (plane - ray.origin[axis]) * ray.inverse[axis];
-            let first = &node.corners[usize::from(ray.negative[axis])][axis];
-            let last = &node.corners[usize::from(!ray.negative[axis])][axis];
+            let negative = usize::from(ray.first[axis] & FAR != 0);
+            let first = &node.planes[axis][negative];
+            let last = &node.planes[axis][1 - negative];
             for lane in 0..LANES {
-                let near = distance(first[lane]) - ray.slack[axis];
-                let far = distance(last[lane]) + ray.slack[axis];
+                let near = first[lane] * ray.inverse[axis] - ray.offsets[0][axis];
+                let far = last[lane] * ray.inverse[axis] - ray.offsets[1][axis];
                 // What is not a number cuts nothing off.
                 nears[lane] = if near > nears[lane] { near } else { nears[lane] };
                 fars[lane] = if far < fars[lane] { far } else { fars[lane] };
@@ -40,6 +40,14 @@ impl Kernel for Scalar {
             let edges = [[c, b], [a, c], [b, a]].map(|[p, q]| p[0] * q[1] - p[1] * q[0]);
             !(edges.iter().any(|e| *e < 0.0) && edges.iter().any(|e| *e > 0.0))
         })
+    }
+
+    #[inline(always)]
+    fn fetch<T>(self, _: &T) {}
+
+    #[inline(always)]
+    fn transpose(self, masks: &[u8; BUNDLE]) -> [u64; LANES] {
+        std::array::from_fn(|lane| (0..BUNDLE).fold(0, |rays, ray| rays | u64::from(masks[ray] >> lane & 1) << ray))
     }
 
     #[inline(always)]

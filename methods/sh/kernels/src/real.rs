@@ -3,11 +3,58 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+/// Closes [`Real`] to other types and names the vector types of each.
 mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
+    use crate::kernels::Kernels;
+    use crate::simd::Lanes;
+    #[cfg(target_arch = "x86_64")]
+    use crate::simd::{F32x8, F32x16, F64x4, F64x8};
+
+    pub trait Sealed: Kernels {
+        type Portable: Lanes<Scalar = Self>;
+        /// The tables of this precision.
+        fn table<const K: usize, const P: usize>(
+            single: &'static [[f32; K]; P],
+            double: &'static [[f64; K]; P],
+        ) -> &'static [[Self; K]; P];
+        #[cfg(target_arch = "x86_64")]
+        type Avx2: Lanes<Scalar = Self>;
+        #[cfg(target_arch = "x86_64")]
+        type Avx512: Lanes<Scalar = Self>;
+    }
+
+    impl Sealed for f32 {
+        type Portable = Self;
+        #[inline(always)]
+        fn table<const K: usize, const P: usize>(
+            single: &'static [[f32; K]; P],
+            _double: &'static [[f64; K]; P],
+        ) -> &'static [[Self; K]; P] {
+            single
+        }
+        #[cfg(target_arch = "x86_64")]
+        type Avx2 = F32x8;
+        #[cfg(target_arch = "x86_64")]
+        type Avx512 = F32x16;
+    }
+
+    impl Sealed for f64 {
+        type Portable = Self;
+        #[inline(always)]
+        fn table<const K: usize, const P: usize>(
+            _single: &'static [[f32; K]; P],
+            double: &'static [[f64; K]; P],
+        ) -> &'static [[Self; K]; P] {
+            double
+        }
+        #[cfg(target_arch = "x86_64")]
+        type Avx2 = F64x4;
+        #[cfg(target_arch = "x86_64")]
+        type Avx512 = F64x8;
+    }
 }
+
+pub(crate) use sealed::Sealed as Precision;
 
 /// A floating-point scalar: `f32` or `f64`.
 pub trait Real:

@@ -1,0 +1,190 @@
+//! Vectors of lanes in registers, and the choice of the instruction set at run time.
+//!
+//! A kernel is a [`Task`]: generic code over [`Lanes`], compiled once for each instruction set and for plain scalars. The
+//! scalar instance is the twin that tests hold the others against.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod portable;
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use {
+    avx2::{F32x8, F64x4},
+    avx512::{F32x16, F64x8},
+};
+
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use crate::block::Block;
+use crate::real::Real;
+
+/// An instruction set that kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Simd {
+    /// Scalar code that runs everywhere, with sums and products rounded apart.
+    Portable,
+    /// 256-bit vectors with fused multiply-add.
+    Avx2,
+    /// 512-bit vectors.
+    Avx512,
+}
+
+impl Simd {
+    /// All instruction sets, the widest last.
+    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// The widest that this machine has.
+    pub fn best() -> Self {
+        static BEST: AtomicU8 = AtomicU8::new(u8::MAX);
+        let known = BEST.load(Ordering::Relaxed);
+        if let Some(&simd) = Self::ALL.get(usize::from(known)) {
+            return simd;
+        }
+        let found = Self::ALL.into_iter().rev().find(|simd| simd.is_available()).unwrap_or(Self::Portable);
+        BEST.store(found as u8, Ordering::Relaxed);
+        found
+    }
+
+    /// Whether this machine has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => is_x86_feature_detected!("avx512f") && Self::Avx2.is_available(),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+}
+
+/// Some lanes of one scalar type in a register.
+///
+/// The types other than scalars may be used only inside [`run`], which has made sure that the machine has their
+/// instructions: that is what the `unsafe` blocks of their methods rely on.
+pub trait Lanes: Copy + 'static {
+    /// The type of a lane.
+    type Scalar: Real;
+    /// The number of lanes, a divisor of [`LANES`](crate::LANES).
+    const WIDTH: usize;
+
+    /// All lanes the same.
+    fn splat(value: Self::Scalar) -> Self;
+    /// The lanes `part·WIDTH..(part + 1)·WIDTH` of 16.
+    fn load(from: &[Self::Scalar; crate::LANES], part: usize) -> Self;
+    /// Writes the lanes `part·WIDTH..(part + 1)·WIDTH` of 16.
+    fn store(self, to: &mut [Self::Scalar; crate::LANES], part: usize);
+    /// `self + other`.
+    fn add(self, other: Self) -> Self;
+    /// `self - other`.
+    fn sub(self, other: Self) -> Self;
+    /// `self·other`.
+    fn mul(self, other: Self) -> Self;
+    /// `self/other`.
+    fn div(self, other: Self) -> Self;
+    /// `self·factor + addend`, rounded once where the machine can.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `addend - self·factor`, rounded once where the machine can.
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
+    /// The square root.
+    fn sqrt(self) -> Self;
+    /// The smaller one; `other` if either is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger one; `other` if either is NaN.
+    fn max(self, other: Self) -> Self;
+    /// The largest integer that is not above.
+    fn floor(self) -> Self;
+    /// `2^self` of an integer within the exponents of normal numbers.
+    fn pow2(self) -> Self;
+    /// `⌊log2 self⌋` of a positive normal number.
+    fn exponent(self) -> Self;
+    /// In each lane `below` where `self < bound`, else `otherwise`.
+    fn where_less(self, bound: Self, below: Self, otherwise: Self) -> Self;
+    /// In each lane the entry of `table` whose number, 0 to 15, `self` is.
+    fn select_from(self, table: &[Self::Scalar; 16]) -> Self;
+
+    /// A tile of `WIDTH` vectors, `stride` apart, and as many coefficients to blocks.
+    #[inline(always)]
+    fn transpose_in(from: &[Self::Scalar], stride: usize, to: &mut [Block<Self::Scalar>], part: usize) {
+        for (i, block) in to[..Self::WIDTH].iter_mut().enumerate() {
+            for lane in 0..Self::WIDTH {
+                block.0[part * Self::WIDTH + lane] = from[lane * stride + i];
+            }
+        }
+    }
+
+    /// The inverse.
+    #[inline(always)]
+    fn transpose_out(from: &[Block<Self::Scalar>], part: usize, to: &mut [Self::Scalar], stride: usize) {
+        for (i, block) in from[..Self::WIDTH].iter().enumerate() {
+            for lane in 0..Self::WIDTH {
+                to[lane * stride + i] = block.0[part * Self::WIDTH + lane];
+            }
+        }
+    }
+
+    /// Writes the sum of the first `WIDTH` lanes of each row.
+    #[inline(always)]
+    fn sum_rows(rows: &[Block<Self::Scalar>], out: &mut [Self::Scalar]) {
+        for (row, out) in rows.iter().zip(out) {
+            *out = row.0[..Self::WIDTH].iter().fold(Self::Scalar::ZERO, |sum, &lane| sum + lane);
+        }
+    }
+
+    /// All lanes the same.
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self::splat(Self::Scalar::from_f64(value))
+    }
+
+    /// The magnitude.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.max(Self::constant(0.0).sub(self))
+    }
+}
+
+/// A computation that is generic over the instruction set.
+pub trait Task<T: Real> {
+    /// Runs on lanes of a type. Implementations are `#[inline(always)]`, so that they are compiled for its instructions.
+    fn run<V: Lanes<Scalar = T>>(self);
+}
+
+/// Runs a task on an instruction set.
+///
+/// # Panics
+/// If the machine does not have it.
+#[inline]
+pub fn run<T: Real>(simd: Simd, task: impl Task<T>) {
+    assert!(simd <= Simd::best(), "{simd:?} instructions are not available on this machine");
+    match simd {
+        Simd::Portable => task.run::<T::Portable>(),
+        #[cfg(target_arch = "x86_64")]
+        Simd::Avx2 => {
+            // SAFETY: the machine has the instructions, as asserted: all that are narrower than the best.
+            unsafe { run_avx2(task) }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Simd::Avx512 => {
+            // SAFETY: as above.
+            unsafe { run_avx512(task) }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        _ => unreachable!("not available on this machine"),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn run_avx2<T: Real>(task: impl Task<T>) {
+    task.run::<T::Avx2>();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx2,fma")]
+fn run_avx512<T: Real>(task: impl Task<T>) {
+    task.run::<T::Avx512>();
+}

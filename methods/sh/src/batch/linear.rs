@@ -1,0 +1,105 @@
+//! Linear operations in lanes: product matrices, rotations, triple products.
+
+use halflight_sh_kernels::{Block, LANES, Lanes, Real, Task, run};
+
+use super::Batch;
+use crate::order::coefficients;
+use crate::rotation::Rotation;
+
+impl Batch {
+    /// The products of one vector `a`, given by its product matrix (see
+    /// [`Gamma::product_matrix`](crate::Gamma::product_matrix)), with every vector of `b`: `n⁴` multiply-adds each, which is
+    /// less than a product takes from order 3 on.
+    ///
+    /// # Panics
+    /// If the matrix does not hold `n⁴` entries, or the batches differ in size or do not hold whole vectors.
+    pub fn matrix_product<T: Real>(&self, matrix: &[T], b: &[Block<T>], out: &mut [Block<T>]) {
+        let size = coefficients(self.order);
+        assert_eq!(matrix.len(), size * size, "a product matrix of order {} is {size}×{size}", self.order);
+        self.assert_batches([b.len()], out.len());
+        run(self.simd, Dense { size, matrix, x: b, out, stride: size });
+    }
+
+    /// Every vector of `input` rotated by one rotation, see [`Rotation::apply`].
+    ///
+    /// # Panics
+    /// If the rotation is of another order, or the batches differ in size or do not hold whole vectors.
+    pub fn rotate<T: Real>(&self, rotation: &Rotation, input: &[Block<T>], out: &mut [Block<T>]) {
+        assert_eq!(rotation.order(), self.order, "a rotation of another order");
+        self.assert_batches([input.len()], out.len());
+        let stride = coefficients(self.order);
+        for (l, block) in rotation.blocks().enumerate() {
+            let (first, size) = (coefficients(l), 2 * l + 1);
+            let matrix: Vec<T> = block.iter().map(|&entry| T::from_f64(entry)).collect();
+            run(self.simd, Dense { size, matrix: &matrix, x: &input[first..], out: &mut out[first..], stride });
+        }
+    }
+
+    /// The integrals of the products of three functions, lane by lane, one block for each `n²`; see
+    /// [`Gamma::triple_product`](crate::Gamma::triple_product).
+    ///
+    /// # Panics
+    /// If the batches differ in size, do not hold whole vectors, or `out` does not hold one block for each vector.
+    pub fn triple_product<T: Real>(&self, a: &[Block<T>], b: &[Block<T>], c: &[Block<T>], out: &mut [Block<T>]) {
+        let size = coefficients(self.order);
+        self.assert_batches([a.len(), b.len()], c.len());
+        assert_eq!(out.len() * size, c.len(), "one block for each vector of {size}");
+        let mut product = [Block::ZERO; 64];
+        let product = &mut product[..size];
+        let vectors = a.chunks_exact(size).zip(b.chunks_exact(size)).zip(c.chunks_exact(size));
+        for (((a, b), c), out) in vectors.zip(out) {
+            self.product(a, b, product);
+            run(self.simd, Dot { x: &*product, y: c, out });
+        }
+    }
+}
+
+/// A square matrix times the leading coefficients of vectors that are `stride` blocks apart.
+struct Dense<'a, T> {
+    size: usize,
+    matrix: &'a [T],
+    x: &'a [Block<T>],
+    out: &'a mut [Block<T>],
+    stride: usize,
+}
+
+impl<T: Real> Task<T> for Dense<'_, T> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        let Self { size, matrix, x, out, stride } = self;
+        for (x, out) in x.chunks(stride).zip(out.chunks_mut(stride)) {
+            for part in 0..LANES / V::WIDTH {
+                // Four rows at a time, so that their sums do not wait for one another.
+                for (rows, out) in matrix.chunks(4 * size).zip(out[..size].chunks_mut(4)) {
+                    let mut sums = [V::constant(0.0); 4];
+                    for (column, x) in x[..size].iter().enumerate() {
+                        let x = V::load(&x.0, part);
+                        for (sum, row) in sums.iter_mut().zip(rows.chunks_exact(size)) {
+                            *sum = V::splat(row[column]).mul_add(x, *sum);
+                        }
+                    }
+                    out.iter_mut().zip(sums).for_each(|(out, sum)| sum.store(&mut out.0, part));
+                }
+            }
+        }
+    }
+}
+
+struct Dot<'a, T> {
+    x: &'a [Block<T>],
+    y: &'a [Block<T>],
+    out: &'a mut Block<T>,
+}
+
+impl<T: Real> Task<T> for Dot<'_, T> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        for part in 0..LANES / V::WIDTH {
+            let mut sums = [V::constant(0.0); 4];
+            for (i, (x, y)) in self.x.iter().zip(self.y).enumerate() {
+                sums[i % 4] = V::load(&x.0, part).mul_add(V::load(&y.0, part), sums[i % 4]);
+            }
+            sums[0].add(sums[1]).add(sums[2].add(sums[3])).store(&mut self.out.0, part);
+        }
+    }
+}
