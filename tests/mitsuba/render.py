@@ -25,6 +25,8 @@ PER_PASS = 1024  # samples of a receiver at once: their f32 sum is exact enough
 # shines above the shading normal's horizon but below the triangle's, more of it slips over the triangle's edge the farther off.
 OFFSET = 2e-6
 COLUMNS = {"position": "x y z", "geometric": "gx gy gz", "normal": "nx ny nz", "albedo": "albedo_r albedo_g albedo_b"}
+# Shadow rays end so much short of the light, a share of their way: what lies that close before it casts no shadow.
+SHORT = 1e-4
 BRIGHTER = 1.01
 TURN = 5.0  # degrees
 ROULETTE = 8  # reflections after which long paths may end by chance
@@ -136,7 +138,7 @@ def direct(scene, receivers, sampler):
     lobe = dr.maximum(0, dr.dot(receivers["normal"], towards.d)) / dr.pi
     unblocked = receivers["albedo"] * mi.Vector3f(weight) * lobe * towards.pdf / (towards.pdf + lobe)
     unblocked = dr.select(towards.pdf > 0, unblocked, 0)
-    ray = mi.Ray3f(start.p, towards.d, towards.dist * (1 - 1e-3), 0, [])
+    ray = mi.Ray3f(start.p, towards.d, towards.dist * (1 - SHORT), 0, [])
     light = dr.select(scene.ray_test(ray, lobe > 0), 0, unblocked)
 
     ray, density = cosine_lobe(receivers, sampler)
