@@ -110,7 +110,7 @@ pub(crate) fn write(
 }
 
 /// The layout of receivers as pictures have it.
-fn layout(receivers: &Receivers) -> Layout {
+pub(crate) fn layout(receivers: &Receivers) -> Layout {
     match receivers.layout {
         halflight_scenes::Layout::Image { width, height } => Layout::Image { width, height },
         halflight_scenes::Layout::List => Layout::List(receivers.len()),
