@@ -75,6 +75,7 @@ pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
         _ if facts.height_fields > 0 => {
             Support::Skip("spheres cannot stand for a height field that casts shadows".into())
         }
+        _ if facts.deforming > 0 => Support::Skip("sphere sets do not follow objects that change their shape".into()),
         Quantity::Direct if facts.emitters == 0 => Support::Exact,
         Quantity::Direct if facts.distant_lights() == 0 => {
             Support::Skip("all light comes from objects of the scene, none from afar".into())

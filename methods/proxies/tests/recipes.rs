@@ -20,10 +20,12 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         shape: Arc::new(shape),
         content,
         albedo: Rgb::ONE,
+        texture: None,
         emission: Rgb::ZERO,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,
+        deformation: None,
     }
 }
 
