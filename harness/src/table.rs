@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// The columns in their order, with what they hold. `NAME` stands for every name that the results have: of a parameter, an
 /// error measure, a span of time, a counter; where a row has none the column is empty.
-pub const COLUMNS: [(&str, &str); 41] = [
+pub const COLUMNS: [(&str, &str); 42] = [
     ("kind", "run, skip or failure"),
     ("why", "the reason of a skip, or the error of a failure"),
     ("scene", "the scene's name or path"),
@@ -32,6 +32,7 @@ pub const COLUMNS: [(&str, &str); 41] = [
     ("time_NAME_low_ns", "lower end of the median's 95% bootstrap interval, nanoseconds"),
     ("time_NAME_high_ns", "upper end of the median's 95% bootstrap interval, nanoseconds"),
     ("time_NAME_samples", "how many times it was timed"),
+    ("shared_NAME", "key of the cell whose time of this phase serves this cell too"),
     ("derived_ns", "time to build the derived data that were used, charged apart from the phases, nanoseconds"),
     ("count_NAME", "work done, skipped or guarded in one prepare, update, evaluate and read"),
     ("host_bytes", "main memory held after shading, as the method counts it, bytes"),
@@ -205,6 +206,9 @@ impl Row {
             self.set("time_NAME_low_ns", name, Value::Real(interval.low));
             self.set("time_NAME_high_ns", name, Value::Real(interval.high));
             self.set("time_NAME_samples", name, Value::Count(interval.count as u64));
+        }
+        for (phase, bearer) in &run.shared {
+            self.set("shared_NAME", phase, Value::Text(bearer.to_string()));
         }
         self.set("derived_ns", "", Value::Real(run.derived.values().sum()));
         self.text("derived", serde_json::json!(run.derived).to_string());

@@ -5,7 +5,7 @@ use crate::format::{bytes, count, escape, number, time};
 use crate::labels::value_text;
 use crate::{Report, Row, Scene};
 use halflight_metrics::median_interval;
-use halflight_results::{Phase, Score, Timing};
+use halflight_results::{Key, Phase, Score, Timing};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
@@ -90,10 +90,13 @@ fn times(report: &Report, scene: &Scene) -> String {
         "<table><thead><tr><th>setting</th><th>prepare</th><th>update</th><th>shade</th><th>shade a receiver</th>\
          <th>derived data, apart</th><th>threads</th></tr></thead><tbody>",
     );
+    let bearers = bearers(report);
     for row in &scene.rows {
         let _ = write!(table, "<tr>{}", name(report, row));
         for phase in Phase::ALL {
-            let _ = write!(table, "<td>{}</td>", row.run.phases.get(phase.name()).map_or("–".into(), duration));
+            let own = row.run.phases.get(phase.name()).map(duration);
+            let cell = own.or_else(|| Some(shared(report, row.run.shared.get(phase.name())?, phase, &bearers)));
+            let _ = write!(table, "<td>{}</td>", cell.unwrap_or("–".into()));
         }
         let shade = row.shade_time();
         let each = shade.filter(|_| row.run.receivers > 0).map(|t| time(t.median / row.run.receivers as f64));
@@ -112,8 +115,29 @@ fn times(report: &Report, scene: &Scene) -> String {
     }
     table.push_str("</tbody></table>");
     let note = "Wall time: the median with its 95% bootstrap interval and the count of repeats. Derived data (sphere sets, \
-                lights, trees) is built once and shared; its build time is charged apart to every setting that uses it.";
+                lights, trees) is built once and shared; its build time is charged apart to every setting that uses it. Of a \
+                sweep, settings that one <b>prepare</b> serves share it: its time is measured once and stands in grey with the others.";
     details("Time", note, &table)
+}
+
+/// The rows that others share a phase with, by their cell's key.
+fn bearers(report: &Report) -> BTreeMap<Key, &Row> {
+    let rows = || report.scenes.iter().flat_map(|scene| &scene.rows);
+    let keys: BTreeSet<&Key> = rows().flat_map(|row| row.run.shared.values()).collect();
+    let keyed = rows().filter(|_| !keys.is_empty()).map(|row| (row.run.cell.key(), row));
+    keyed.filter(|(key, _)| keys.contains(key)).collect()
+}
+
+/// The time of a phase that was carried out for another cell, and whose it is.
+fn shared(report: &Report, bearer: &Key, phase: Phase, bearers: &BTreeMap<Key, &Row>) -> String {
+    let timed = bearers.get(bearer).and_then(|row| Some((row.label, row.run.phases.get(phase.name())?)));
+    match timed {
+        Some((label, timing)) => {
+            let bearer = chip(report, label);
+            format!("<span class=\"shared\">{}<small>shared with {bearer}</small></span>", duration(timing))
+        }
+        None => "<span class=\"shared\">shared</span>".into(),
+    }
 }
 
 /// Spans inside the phases.

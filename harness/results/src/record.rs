@@ -98,6 +98,10 @@ pub struct Run {
     /// Times by span. The whole of a phase bears the phase's own name (`prepare`, `update`, `shade`); any other name is a
     /// span inside the phase that it states.
     pub phases: BTreeMap<String, Timing>,
+    /// Phases that were carried out once, for another cell, and serve this one too: by the phase's name the key of the cell
+    /// that bears the time.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub shared: BTreeMap<String, Key>,
     /// Build time in nanoseconds of each piece of derived data used, charged apart from the phases. A piece that came
     /// from a cache keeps the time that building it took.
     pub derived: BTreeMap<String, f64>,
