@@ -223,8 +223,10 @@ impl<'a> Words<'a> {
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+    use std::process::Command;
 
     use super::*;
+    use crate::animation::{Playback, Skeleton};
 
     const ARM: &str = "HIERARCHY\nROOT Upper arm\n{\nOFFSET 0 0 1\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation \
                        Yrotation\nJOINT Lower\n{\nOFFSET 1 0 0\nCHANNELS 1 Zrotation\nEnd Site\n{\nOFFSET 2 0 0\n}\n}\n}\nMOTION\n\
@@ -246,6 +248,39 @@ mod tests {
         assert!((local[0].rotation * DVec3::Y).distance(DVec3::Z) < 1e-12);
         assert!((local[0].rotation * DVec3::X).distance(DVec3::Y) < 1e-12);
         assert!((local[1].rotation * DVec3::X).distance(DVec3::Y) < 1e-12);
+    }
+
+    /// The Python that `HALFLIGHT_PYTHON` names, or `python3` if that has numpy.
+    fn python() -> Option<String> {
+        if let Ok(named) = std::env::var("HALFLIGHT_PYTHON") {
+            return Some(named);
+        }
+        let imports = Command::new("python3").args(["-c", "import numpy"]).output();
+        imports.is_ok_and(|said| said.status.success()).then(|| "python3".to_owned())
+    }
+
+    #[test]
+    fn joints_are_where_a_strangers_evaluation_has_them() {
+        let Some(python) = python() else { return eprintln!("skipped: no Python with numpy") };
+        let folder = env!("CARGO_MANIFEST_DIR");
+        for (name, frames) in [("walk.bvh", ["0", "7", "150", "299"]), ("boxing.bvh", ["0", "9", "120", "249"])] {
+            let path = format!("{folder}/data/{name}");
+            let script = format!("{folder}/tests/poses/bvh.py");
+            let said = Command::new(&python).args([&script, &path]).args(frames).output().expect("Python runs");
+            assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+            let expected: Vec<Vec<[f64; 3]>> = serde_json::from_slice(&said.stdout).expect("JSON");
+            let capture = read(Checker { file: Path::new(name) }, &std::fs::read(&path).expect(name)).expect(name);
+            let times = capture.clip.tracks[0].times.clone();
+            let skeleton = Skeleton { joints: capture.joints, clip: capture.clip, playback: Playback::default() };
+            for (frame, expected) in frames.iter().zip(expected) {
+                let pose = skeleton.pose_at(times[frame.parse::<usize>().expect("a number")]);
+                assert_eq!(pose.len(), expected.len());
+                for (ours, theirs) in pose.iter().zip(expected) {
+                    let distance = ours.translation.distance(DVec3::from_array(theirs));
+                    assert!(distance < 1e-9 * (1.0 + ours.translation.length()), "{name} {frame}: {distance}");
+                }
+            }
+        }
     }
 
     #[test]
