@@ -9,9 +9,19 @@ use std::collections::BTreeMap;
 ///
 /// A picture that is missing or damaged is left out with a warning in the report; it does not stop the rest.
 pub fn build(store: &Store, title: &str) -> Report {
+    assemble(store, title, true)
+}
+
+/// As [`build`], without reading any picture.
+pub fn outline(store: &Store, title: &str) -> Report {
+    assemble(store, title, false)
+}
+
+fn assemble(store: &Store, title: &str, pictures: bool) -> Report {
     let cells = || store.outcomes().filter_map(Record::cell);
     let mut collector = Collector {
         store,
+        pictures,
         labels: Labels::of(cells()),
         names: SceneNames::of(cells()),
         report: Report {
@@ -60,6 +70,7 @@ pub fn build(store: &Store, title: &str) -> Report {
 
 struct Collector<'a> {
     store: &'a Store,
+    pictures: bool,
     labels: Labels,
     names: SceneNames,
     report: Report,
@@ -123,6 +134,9 @@ impl Collector<'_> {
     }
 
     fn picture(&mut self, image: &Key) -> Option<Picture> {
+        if !self.pictures {
+            return None;
+        }
         match self.store.read_picture(image) {
             Ok(picture) => Some(picture),
             Err(error) => {

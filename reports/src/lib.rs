@@ -18,8 +18,10 @@ mod collect;
 mod crosschecks;
 mod figures;
 mod format;
+mod fronts;
 mod labels;
 mod page;
+mod pareto;
 mod plot;
 mod raster;
 mod report;
@@ -27,5 +29,6 @@ mod summary;
 mod tables;
 
 pub use budget::{Budget, BudgetStep};
-pub use collect::build;
+pub use collect::{build, outline};
+pub use fronts::{Against, Entry, Front, Relative};
 pub use report::{Absent, CrossCheck, Reference, Report, ReportError, Row, Scene};

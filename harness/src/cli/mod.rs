@@ -9,6 +9,7 @@ mod export;
 mod gate;
 mod list;
 mod merge;
+mod pareto;
 mod paths;
 mod plan;
 mod probe;
@@ -44,6 +45,8 @@ enum Command {
     Plan(plan::Plan),
     /// Make the report again from a results directory
     Report(report::Report),
+    /// Print which settings no other beats: error against time and against memory, on every scene and over scenes
+    Pareto(pareto::Pareto),
     /// Score stored pictures again against their stored references, where the error measures are newer than the scores
     Score(score::Score),
     /// Put the results of several directories into one
@@ -194,6 +197,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Run(run)) => run.act(),
         Some(Command::Plan(plan)) => plan.act(),
         Some(Command::Report(report)) => report.act(),
+        Some(Command::Pareto(pareto)) => pareto.act(),
         Some(Command::Score(score)) => score.act(),
         Some(Command::Merge(merge)) => merge.act(),
         Some(Command::Probe(probe)) => probe.act(),
