@@ -117,7 +117,7 @@ fn fields_unknown_missing_or_of_the_wrong_type() {
         ("uniform", "checkered", "", "unknown field `checkered`"),
         ("key =", "torch =", "", "unknown field `torch`"),
         ("purpose = \"A cube and a sphere over a ground\"", "", "", "missing field `purpose`"),
-        ("albedo = [0.9, 0.2, 0.2]", "", "", "missing field `albedo`"),
+        ("albedo = [0.9, 0.2, 0.2]", "", "objects[1].albedo", "three numbers in [0, 1]"),
         ("[receivers]\ncamera = {}", "", "", "missing field `receivers`"),
         ("camera = {}", "", "receivers: expected exactly one of camera, vertices, grid, points, heights, found []", ""),
         (
