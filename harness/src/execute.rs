@@ -1,9 +1,5 @@
-//! Running a method on a scene: prepare once; for every frame update, evaluate and read; everything timed and counted.
-//!
-//! **What is timed.** `prepare` is run twice and the second time taken: the first makes derived data (sphere sets, lights in
-//! SH), whose build time is charged apart. `update` is timed at its first call for a frame, for a second would find nothing
-//! to do. `shade` (one `evaluate`) and `read` are timed over a number of repeats after one to warm up. Counters are those of
-//! one `prepare`, `update`, `evaluate` and `read`.
+//! Running a method on a scene: prepare once; for every frame update, evaluate and read; everything counted. Times are taken
+//! apart, side by side with other methods (`rounds.rs`).
 //!
 //! An error or a panic of the method ends the frame at hand, not the program; the next frame is prepared anew.
 
@@ -21,8 +17,6 @@ pub(crate) struct Task<'a> {
     pub(crate) quantity: Quantity,
     pub(crate) backend: Backend,
     pub(crate) seed: u64,
-    /// Timed evaluations a frame, after one to warm up; 0 for a result without times.
-    pub(crate) repeats: usize,
     pub(crate) cache: &'a Cache,
 }
 
@@ -34,9 +28,9 @@ pub(crate) struct Shaded {
 }
 
 /// A method made ready, with what `prepare` left in the meter.
-struct Ready<'s> {
-    method: Box<dyn Prepared + 's>,
-    recorded: Recorded,
+pub(crate) struct Ready<'s> {
+    pub(crate) method: Box<dyn Prepared + 's>,
+    pub(crate) recorded: Recorded,
 }
 
 /// The state of a task between its frames.
@@ -56,7 +50,7 @@ impl<'a> Runner<'a> {
         let work = || {
             let mut ready = match ready {
                 Some(ready) => ready,
-                None => prepare(&self.task, steps)?,
+                None => prepare_once(&self.task, steps)?,
             };
             let shaded = shade(&self.task, &mut ready, frame, steps)?;
             Ok((shaded, ready))
@@ -85,15 +79,8 @@ impl<'a> Runner<'a> {
     }
 }
 
-fn prepare<'s>(task: &Task<'s>, steps: &mut Steps<'_>) -> Result<Ready<'s>, String> {
-    if task.repeats > 0 {
-        prepare_once(task, steps)?;
-    }
-    prepare_once(task, steps)
-}
-
 /// With a job of its own, since a job charges each piece of derived data once.
-fn prepare_once<'s>(task: &Task<'s>, steps: &mut Steps<'_>) -> Result<Ready<'s>, String> {
+pub(crate) fn prepare_once<'s>(task: &Task<'s>, steps: &mut Steps<'_>) -> Result<Ready<'s>, String> {
     let job = Job::new(task.scene, task.params, task.seed, task.backend, task.cache);
     let mut recorder = Recorder::new(steps);
     let mut recorded = Recorded::default();
@@ -107,18 +94,10 @@ fn shade(task: &Task<'_>, ready: &mut Ready<'_>, frame: &Frame, steps: &mut Step
     let mut recorder = Recorder::new(steps);
     let mut recorded = ready.recorded.clone();
     let mut radiance = vec![Rgb::NAN; frame.receivers.len()];
+    update(ready, frame, &mut recorder, &mut recorded)?;
     let method = &mut ready.method;
-    recorder
-        .phase(&mut recorded, Phase::Update, Phase::Update.name(), |meter| method.update(frame, meter))
-        .map_err(text)?;
-
-    let mut warm_up = Recorded::default();
-    evaluate(task, method.as_mut(), frame, &mut recorder, &mut warm_up, &mut radiance)?;
+    evaluate(task, method.as_mut(), frame, &mut recorder, &mut recorded, &mut radiance)?;
     recorder.settle(&mut recorded);
-    for _ in 0..task.repeats {
-        evaluate(task, method.as_mut(), frame, &mut recorder, &mut recorded, &mut radiance)?;
-    }
-    recorder.forget();
     match radiance.iter().position(|value| !value.is_finite()) {
         Some(receiver) => {
             Err(format!("radiance at receiver {receiver} is {}, expected finite values", radiance[receiver]))
@@ -127,7 +106,19 @@ fn shade(task: &Task<'_>, ready: &mut Ready<'_>, frame: &Frame, steps: &mut Step
     }
 }
 
-fn evaluate(
+/// All that a moving scene forces, timed.
+pub(crate) fn update(
+    ready: &mut Ready<'_>,
+    frame: &Frame,
+    recorder: &mut Recorder<'_>,
+    recorded: &mut Recorded,
+) -> Result<(), String> {
+    let update = |meter: &mut dyn Meter| ready.method.update(frame, meter);
+    recorder.phase(recorded, Phase::Update, Phase::Update.name(), update).map_err(text)
+}
+
+/// One evaluation and reading its result, timed.
+pub(crate) fn evaluate(
     task: &Task<'_>,
     method: &mut dyn Prepared,
     frame: &Frame,

@@ -61,15 +61,16 @@ impl<'p> Recorder<'p> {
             *recorded.derived.entry(name).or_default() += nanoseconds;
         }
     }
-
-    /// Forgets the counters and derived data met so far: repeats do the same work again.
-    pub(crate) fn forget(&mut self) {
-        self.counters.clear();
-        self.derived.clear();
-    }
 }
 
 impl Recorded {
+    /// Adds another's times as further repeats.
+    pub(crate) fn add_times(&mut self, other: Self) {
+        for (name, timing) in other.phases {
+            timing.nanoseconds.into_iter().for_each(|nanoseconds| self.time(timing.phase, name.clone(), nanoseconds));
+        }
+    }
+
     fn time(&mut self, phase: Phase, name: String, nanoseconds: f64) {
         let timing = self.phases.entry(name).or_insert(Timing { phase, nanoseconds: Vec::new() });
         timing.nanoseconds.push(nanoseconds);

@@ -4,7 +4,7 @@ use crate::chip::{chip, colour};
 use crate::format::{escape, number};
 use crate::plot::{Point, error_against_time};
 use crate::summary::matrix;
-use crate::{Absent, Report, ReportError, Scene, crosschecks, figures, tables};
+use crate::{Absent, Report, ReportError, Scene, criterion, crosschecks, figures, scaling, tables};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
@@ -24,7 +24,9 @@ pub(crate) fn html(report: &Report) -> Result<String, ReportError> {
         "<h2 id=\"summary\">Summary</h2>".to_owned(),
         summary(report),
         sections,
+        scaling::section(report)?,
         crosschecks::section(&report.cross_checks)?,
+        criterion::section(&report.benchmarks),
         absent(report),
         "<h2>Settings in full</h2>".to_owned(),
         tables::settings(report),

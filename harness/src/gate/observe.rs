@@ -106,7 +106,9 @@ impl Observing<'_> {
                 Err(why) => self.fault(label, format!("against {reference}: {why}")),
             }
         }
-        self.paces.add(&place.label(""), method, run);
+        if let Some(times) = self.store.times(&cell.key()) {
+            self.paces.add(&place.label(""), method, times);
+        }
         Ok(Some(CellBaseline {
             receivers: print.receivers,
             level: rounded(print.level),
