@@ -72,6 +72,6 @@ pub use probe::{Answers, Question, Source, probe};
 pub use rescore::{Rescored, rescore};
 pub use run::{Options, Summary, run};
 pub use select::{DEFAULT_SUITE, Selection};
-pub use settings::Setting;
+pub use settings::{Series, Setting};
 pub use suite::{DEFAULT_REFERENCES, Entry, Suite};
 pub use table::{COLUMNS, Column, Table, Values};

@@ -4,7 +4,7 @@
 use crate::settings::{Setting, grid};
 use crate::suite::Entry;
 use crate::{Error, judge};
-use halflight_contract::{Backend, Method, Params, Quantity, Request, Support, Value};
+use halflight_contract::{Backend, Method, Params, Phase, Quantity, Request, Support, Value};
 use halflight_references::Reference;
 use halflight_results::{Cell, Key, Record, Run, Store};
 use halflight_scenes::{Frame, Scene};
@@ -37,7 +37,7 @@ pub struct Stage {
     pub frames: Vec<Frame>,
 }
 
-/// The cells that share one `prepare`: a method with its parameters on all frames of a scene.
+/// A method with its parameters on all frames of a scene.
 #[derive(Clone)]
 pub struct Group {
     /// Index into [`Plan::scenes`].
@@ -88,6 +88,14 @@ impl Group {
         format!("{} · {}{set}", plan.scenes[self.scene].scene.name, self.method.info().id)
     }
 
+    /// All that decides what is prepared: where it is equal, one group may be retuned to another.
+    pub(crate) fn preparation(&self) -> (usize, &'static str, Quantity, Backend, Vec<String>) {
+        let info = self.method.info();
+        let fixed = |name: &str| info.params.iter().any(|spec| spec.name == name && spec.phase == Phase::Prepare);
+        let values = self.params.iter().filter(|(name, _)| fixed(name)).map(|(_, value)| value.to_string());
+        (self.scene, info.id, self.quantity, self.backend, values.collect())
+    }
+
     /// What is to be done about one of the group's cells.
     pub fn state(&self, cell: &Cell, store: &Store) -> State {
         match (&self.support, store.outcome(&cell.key())) {
@@ -135,8 +143,13 @@ impl Plan {
                 }
             }
         }
-        // Stable: within a scene, the order of the entries. A scene's derived data are let go before the next one's.
-        plan.groups.sort_by_key(|group| group.scene);
+        // Stable: within a scene, the order of the entries but for what one `prepare` serves, which goes in a row. A scene's
+        // derived data are let go before the next one's.
+        let mut first = HashMap::new();
+        for (place, group) in plan.groups.iter().enumerate() {
+            first.entry(group.preparation()).or_insert(place);
+        }
+        plan.groups.sort_by_key(|group| (group.scene, first[&group.preparation()]));
         Ok(plan)
     }
 
@@ -247,7 +260,8 @@ fn combinations(method: &'static dyn Method, set: &[Setting]) -> Result<Vec<Para
         Params::resolve(specs, point.iter().map(|(name, text)| (name.as_str(), text.as_str())))
             .map_err(|source| Error::Param { method: method.info().id, source })
     };
-    grid(&own).into_iter().map(resolve).collect()
+    let points = grid(&own, specs).map_err(|source| Error::Param { method: method.info().id, source })?;
+    points.into_iter().map(resolve).collect()
 }
 
 /// A registered method by its id.
@@ -258,12 +272,17 @@ pub(crate) fn method(id: &str) -> Result<&'static dyn Method, Error> {
 
 /// A method's parameters with these settings, each of one value.
 pub(crate) fn single(method: &'static dyn Method, set: &[Setting]) -> Result<Params, Error> {
-    if let Some(many) = set.iter().find(|s| s.values.len() != 1) {
-        let text = format!("{}={}", many.name, many.values.join(","));
+    let wrong = |source| Error::Param { method: method.info().id, source };
+    let points = grid(&set.iter().collect::<Vec<_>>(), method.info().params).map_err(wrong)?;
+    let [point] = points.as_slice() else {
+        let of = |s: &Setting| {
+            format!("{}={}", s.name, s.values.iter().map(ToString::to_string).collect::<Vec<_>>().join(","))
+        };
+        let text = set.iter().map(of).collect::<Vec<_>>().join(" --set ");
         return Err(Error::Setting { text, message: "expected one value here".into() });
-    }
-    let settings = set.iter().map(|s| (s.name.as_str(), s.values[0].as_str()));
-    Params::resolve(method.info().params, settings).map_err(|source| Error::Param { method: method.info().id, source })
+    };
+    let settings = point.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+    Params::resolve(method.info().params, settings).map_err(wrong)
 }
 
 fn has_picture(run: &Run, store: &Store) -> bool {

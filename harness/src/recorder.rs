@@ -64,10 +64,17 @@ impl<'p> Recorder<'p> {
 }
 
 impl Recorded {
-    /// Adds another's times as further repeats.
-    pub(crate) fn add_times(&mut self, other: Self) {
-        for (name, timing) in other.phases {
-            timing.nanoseconds.into_iter().for_each(|nanoseconds| self.time(timing.phase, name.clone(), nanoseconds));
+    /// Takes in what was recorded elsewhere.
+    pub(crate) fn add(&mut self, more: Recorded) {
+        for (name, timing) in more.phases {
+            let held = self.phases.entry(name).or_insert(Timing { phase: timing.phase, nanoseconds: Vec::new() });
+            held.nanoseconds.extend(timing.nanoseconds);
+        }
+        for (name, amount) in more.counters {
+            *self.counters.entry(name).or_default() += amount;
+        }
+        for (name, nanoseconds) in more.derived {
+            *self.derived.entry(name).or_default() += nanoseconds;
         }
     }
 

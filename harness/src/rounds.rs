@@ -9,7 +9,7 @@
 use crate::calibrate::Calibrator;
 use crate::execute::{Ready, Task, evaluate, guarded, prepare_once, update};
 use crate::recorder::{Recorded, Recorder};
-use halflight_results::{Calibration, Phase, Timing};
+use halflight_results::{Calibration, Key, Phase, Timing};
 use halflight_scenes::{Frame, Rgb};
 use rayon::ThreadPool;
 use std::collections::BTreeMap;
@@ -75,9 +75,9 @@ impl<'e, 'a> Running<'e, 'a> {
         running.act(|task, ready, recorded, radiance| {
             let mut first = match ready.take() {
                 Some(ready) => ready,
-                None => prepare_once(task, &mut silent)?,
+                None => prepare_once(task, &nobody(), &mut silent)?,
             };
-            *recorded = Recorded { phases: first.recorded.phases.clone(), ..Recorded::default() };
+            *recorded = Recorded { phases: first.prepared.recorded.phases.clone(), ..Recorded::default() };
             update(&mut first, frame, &mut Recorder::new(&mut silent), recorded)?;
             let mut warm_up = Recorded::default();
             evaluate(task, first.method.as_mut(), frame, &mut Recorder::new(&mut silent), &mut warm_up, radiance)?;
@@ -106,8 +106,8 @@ impl<'e, 'a> Running<'e, 'a> {
         let again = self.is_cheap();
         self.act(|task, ready, recorded, radiance| {
             if again {
-                let mut anew = prepare_once(task, &mut silent)?;
-                recorded.add_times(std::mem::take(&mut anew.recorded));
+                let mut anew = prepare_once(task, &nobody(), &mut silent)?;
+                recorded.add(std::mem::take(&mut anew.prepared.recorded));
                 update(&mut anew, frame, &mut Recorder::new(&mut silent), recorded)?;
             }
             let Some(ready) = ready else { return Err("expected a method that is ready".into()) };
@@ -144,6 +144,11 @@ impl<'e, 'a> Running<'e, 'a> {
     fn end(self) -> Timed {
         Timed { phases: self.recorded.phases, calibration: self.calibration }
     }
+}
+
+/// What is timed is done for no cell's picture.
+fn nobody() -> Key {
+    Key::of_bytes(b"no cell")
 }
 
 /// Rounds are short and many: nobody is told of their steps.

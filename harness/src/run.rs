@@ -241,13 +241,8 @@ impl<'r> Running<'r> {
         }
         // Of this scene alone: its derived data are let go when it is done. What is costly lies in the folder.
         let cache = Cache::in_folder(&self.options.cache.join("derived"));
-        let mut elsewhere = Vec::new();
-        for cells in todo.cells.chunk_by(|(a, _), (b, _)| std::ptr::eq(*a, *b)) {
-            elsewhere.extend(self.group(todo, cells, &cache, false)?);
-        }
-        for cells in elsewhere.chunk_by(|(a, _), (b, _)| std::ptr::eq(*a, *b)) {
-            self.group(todo, cells, &cache, true)?;
-        }
+        let elsewhere = self.cells(todo, &todo.cells, &cache, false)?;
+        self.cells(todo, &elsewhere, &cache, true)?;
         self.times(todo, &cache)?;
         let (references, quality) = (self.references.clone(), &self.options.quality);
         let with = With { references: &references, quality, seed: self.plan.seed, cache: &cache };
@@ -276,8 +271,8 @@ impl<'r> Running<'r> {
         Task { scene: todo.scene, method, params, quantity, backend, seed: self.plan.seed, cache }
     }
 
-    /// Runs cells that share one `prepare`, and returns those that another process runs unless `waiting` for it.
-    fn group<'p>(
+    /// Runs cells, and returns those that another process runs unless `waiting` for it.
+    fn cells<'p>(
         &mut self,
         todo: &Todo<'_>,
         cells: &[(&'p Group, &'p Cell)],
@@ -285,8 +280,23 @@ impl<'r> Running<'r> {
         waiting: bool,
     ) -> Result<Vec<(&'p Group, &'p Cell)>, StoreError> {
         let mut elsewhere = Vec::new();
-        let Some((group, _)) = cells.first() else { return Ok(elsewhere) };
-        let mut runner = Runner::new(self.task(todo, group, cache));
+        for prepared in cells.chunk_by(|(a, _), (b, _)| a.preparation() == b.preparation()) {
+            let Some((group, _)) = prepared.first() else { continue };
+            let mut runner = Runner::new(self.task(todo, group, cache));
+            elsewhere.extend(self.prepared(todo, prepared, &mut runner, waiting)?);
+        }
+        Ok(elsewhere)
+    }
+
+    /// As [`Running::cells`], of cells that share one `prepare`.
+    fn prepared<'c, 'p: 'c>(
+        &mut self,
+        todo: &Todo<'_>,
+        cells: &[(&'p Group, &'p Cell)],
+        runner: &mut Runner<'c>,
+        waiting: bool,
+    ) -> Result<Vec<(&'p Group, &'p Cell)>, StoreError> {
+        let mut elsewhere = Vec::new();
         for &(group, cell) in cells {
             let key = cell.key();
             let claim = if waiting { Some(self.store.claim(&key)?) } else { self.store.try_claim(&key)? };
@@ -309,7 +319,9 @@ impl<'r> Running<'r> {
             let left = self.forecast.sum(self.left.iter().copied());
             let shown = if left.seconds > 0.0 { format!("{label} · then {left}") } else { label.clone() };
             self.progress.begin(&shown);
-            let shaded = runner.shade(frame, &mut |what, done, total| self.progress.within(&shown, what, done, total));
+            runner.tune(&group.params);
+            let shaded =
+                runner.shade(frame, &key, &mut |what, done, total| self.progress.within(&shown, what, done, total));
             self.finish(group, cell, frame, shaded, &label)?;
         }
         Ok(elsewhere)
@@ -339,6 +351,7 @@ impl<'r> Running<'r> {
                 Support::Approximate(why) => Some(why.clone()),
                 _ => None,
             },
+            shared: shaded.shared,
             derived: shaded.recorded.derived,
             counters: shaded.recorded.counters,
             footprint: shaded.footprint,

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// The columns in their order, with what they hold. `NAME` stands for every name that the results have: of a parameter, an
 /// error measure, a span of time, a counter; where a row has none the column is empty.
-pub const COLUMNS: [(&str, &str); 45] = [
+pub const COLUMNS: [(&str, &str); 46] = [
     ("kind", "run, skip or failure"),
     ("why", "the reason of a skip, or the error of a failure"),
     ("scene", "the scene's name or path"),
@@ -36,6 +36,7 @@ pub const COLUMNS: [(&str, &str); 45] = [
     ("calibration_NAME_ns", "median time of fixed work done beside each sample, nanoseconds: compute, memory"),
     ("taken", "when the times were taken, seconds since 1970-01-01 UTC"),
     ("beside", "cells that were timed side by side, this one included"),
+    ("shared_NAME", "key of the cell for which this phase was carried out when the picture was made"),
     ("derived_ns", "time to build the derived data that were used, charged apart from the phases, nanoseconds"),
     ("count_NAME", "work done, skipped or guarded in one prepare, update, evaluate and read"),
     ("host_bytes", "main memory held after shading, as the method counts it, bytes"),
@@ -205,6 +206,9 @@ impl Row {
         }
         if let Some(approximate) = &run.approximate {
             self.text("approximate", approximate);
+        }
+        for (phase, bearer) in &run.shared {
+            self.set("shared_NAME", phase, Value::Text(bearer.to_string()));
         }
         self.set("derived_ns", "", Value::Real(run.derived.values().sum()));
         self.text("derived", serde_json::json!(run.derived).to_string());

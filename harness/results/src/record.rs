@@ -99,6 +99,10 @@ pub struct Run {
     pub image: Option<Key>,
     /// Why the method serves this scene only approximately, where it says so.
     pub approximate: Option<String>,
+    /// Phases that were carried out for another cell, and served this one's picture too: by the phase's name the key of that
+    /// cell. Each cell is timed by itself all the same.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub shared: BTreeMap<String, Key>,
     /// Build time in nanoseconds of each piece of derived data used, charged apart from the phases. A piece that came
     /// from a cache keeps the time that building it took.
     pub derived: BTreeMap<String, f64>,

@@ -28,6 +28,7 @@ fn run(seed: u64) -> Record {
         receivers: 3,
         image: Some(Key::of_bytes(b"picture")),
         approximate: Some("a \"quoted\"\nreason".into()),
+        shared: [("prepare".to_owned(), Key::of_bytes(b"another cell"))].into(),
         derived: [("spheres of bunny".to_owned(), 2.5e9)].into(),
         counters: [("products".to_owned(), u64::MAX)].into(),
         footprint: vec![Storage { purpose: "tables".into(), host_bytes: 1 << 40, device_bytes: 0 }],

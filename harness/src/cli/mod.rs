@@ -90,7 +90,8 @@ struct Pick {
     /// A method, repeatable; all if not given
     #[arg(long, value_name = "METHOD")]
     method: Vec<String>,
-    /// Values of a parameter, repeatable: order=4, order=2..6, p=2,4; for the methods that declare it
+    /// Values of a parameter, repeatable, for the methods that declare it: order=4, order=2..6, p=2,4, self-shadow=all,
+    /// spheres=log(16..256,5) for 5 values of equal ratio, min-angle=lin(0..4,3) for equal steps
     #[arg(long, value_name = "NAME=VALUES")]
     set: Vec<Setting>,
     /// A reference, repeatable: truth, sh-light, sphere-proxies (bare names take the method's order and spheres), sh-light:6

@@ -69,8 +69,9 @@ mod tests {
 
     fn add(store: &mut Store, scene: &str, method: &str, order: u32, receivers: usize, nanoseconds: f64) {
         let params = [("order".to_owned(), order.into()), ("guard".to_owned(), true.into())].into();
-        let receivers_hash = receivers.to_string();
-        let cell = Cell { scene: scene.into(), method: method.into(), params, receivers_hash, ..Cell::default() };
+        let (receivers_hash, scene_hash) = (receivers.to_string(), scene.into());
+        let cell =
+            Cell { scene: scene.into(), scene_hash, method: method.into(), params, receivers_hash, ..Cell::default() };
         let samples = [1.0, 0.99, 1.01, 1.0, 1.02, 0.98].map(|factor| factor * nanoseconds).to_vec();
         let phases = [("shade".to_owned(), Timing { phase: Phase::Shade, nanoseconds: samples })].into();
         let times = Times { run: cell.key(), taken: 0, beside: 1, phases, calibration: Calibration::default() };

@@ -7,7 +7,9 @@ use std::path::Path;
 pub(crate) fn facts(dir: &Path) -> Vec<String> {
     let store = Store::open(dir).unwrap();
     let report = halflight_reports::build(&store, "");
-    let mut facts: Vec<String> = report.warnings.iter().map(|warning| format!("warning {warning}")).collect();
+    // How busy the machine was is a matter of times.
+    let warnings = report.warnings.iter().filter(|warning| !warning.contains("were timed while the machine"));
+    let mut facts: Vec<String> = warnings.map(|warning| format!("warning {warning}")).collect();
     let label = |label: usize| &report.labels[label];
     for scene in &report.scenes {
         let name = &scene.name;

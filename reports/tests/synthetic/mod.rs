@@ -94,6 +94,7 @@ fn run(store: &mut Store, cell: Cell, x: &Picture, nanoseconds: f64, truth: &Pic
         receivers: x.radiance.len(),
         image: Some(image.clone()),
         approximate: (cell.method == "shexp/hyb").then(|| "blockers are spheres".to_owned()),
+        shared: Default::default(),
         derived: [("sphere set of bunny, 64".to_owned(), 3.4e9), ("light in SH, order 8".to_owned(), 4.2e7)].into(),
         counters: [("blockers".to_owned(), 1_228_800), ("overlap guard".to_owned(), 310)].into(),
         footprint: vec![
