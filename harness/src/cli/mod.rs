@@ -106,6 +106,17 @@ struct Pick {
 }
 
 impl Pick {
+    /// These arguments again, as on the command line.
+    fn words(&self) -> String {
+        let all = |name: &str, values: &[String]| values.iter().map(|v| format!(" --{name} {v}")).collect::<String>();
+        let suite = self.suite.as_slice();
+        let lists = [("suite", suite), ("scene", &self.scene), ("method", &self.method), ("quantity", &self.quantity)];
+        let lists = lists.iter().map(|(name, values)| all(name, values)).collect::<String>();
+        lists
+            + &all("set", &self.set.iter().map(ToString::to_string).collect::<Vec<_>>())
+            + &all("reference", &self.reference)
+    }
+
     /// What is asked for, this suite if nothing is, to be timed on each of these numbers of threads; on those of all work if
     /// there is none.
     ///
