@@ -51,8 +51,11 @@ pub struct Entry {
 }
 
 /// The suites that come with the program.
-pub(crate) const SHIPPED: [(&str, &str); 2] =
-    [("quick", include_str!("../suites/quick.toml")), ("gate", include_str!("../suites/gate.toml"))];
+pub(crate) const SHIPPED: [(&str, &str); 3] = [
+    ("quick", include_str!("../suites/quick.toml")),
+    ("gate", include_str!("../suites/gate.toml")),
+    ("scaling", include_str!("../suites/scaling.toml")),
+];
 
 impl Suite {
     /// A shipped suite by name, or the suite in the file of this path.
@@ -94,7 +97,8 @@ impl Suite {
 
 /// Whether a scene is named by the path of its file: shipped names have neither a separator nor an extension.
 fn is_path(scene: &str) -> bool {
-    scene.contains(std::path::is_separator) || scene.ends_with(".toml")
+    let whole = scene.split_once('@').map_or(scene, |(whole, _)| whole);
+    scene.contains(std::path::is_separator) || whole.ends_with(".toml")
 }
 
 /// TOML's own messages span several lines; what remains here is one with its place.

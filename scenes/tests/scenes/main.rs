@@ -10,4 +10,5 @@ mod models;
 mod mutations;
 mod readme;
 mod receivers;
+mod resolution;
 mod shipped;
