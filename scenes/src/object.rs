@@ -167,7 +167,8 @@ impl Object {
     /// The revision of the object with a shape under a pose: changes exactly when shape, albedo, texture, emission or pose does.
     pub(crate) fn revision(&self, shape: Content, pose: Pose) -> Revision {
         let posed = Collector::new("posed").content(shape).vec3(self.albedo);
-        let posed = posed.list(self.texture.as_slice(), |all, texture| all.content(texture.content())).vec3(self.emission);
+        let posed =
+            posed.list(self.texture.as_slice(), |all, texture| all.content(texture.content())).vec3(self.emission);
         posed.quat(pose.rotation).vec3(pose.translation).finish().revision()
     }
 }

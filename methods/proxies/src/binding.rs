@@ -86,7 +86,8 @@ fn mean_value_weights(mesh: &Mesh, x: DVec3, weights: &mut [f64]) -> bool {
             }
             return weights.iter().sum::<f64>() > 0.0;
         }
-        for (vertex, weight) in triangle.iter().zip(of_triangle(&units, &distances, &angles, half).unwrap_or_default()) {
+        for (vertex, weight) in triangle.iter().zip(of_triangle(&units, &distances, &angles, half).unwrap_or_default())
+        {
             weights[*vertex as usize] += weight;
         }
     }
@@ -99,7 +100,8 @@ fn mean_value_weights(mesh: &Mesh, x: DVec3, weights: &mut [f64]) -> bool {
 fn of_triangle(units: &[DVec3; 3], distances: &[f64; 3], angles: &[f64; 3], half: f64) -> Option<[f64; 3]> {
     let sines = angles.map(f64::sin);
     let side = units[0].cross(units[1]).dot(units[2]).signum();
-    let cosine = |i: usize| 2.0 * half.sin() * (half - angles[i]).sin() / (sines[(i + 1) % 3] * sines[(i + 2) % 3]) - 1.0;
+    let cosine =
+        |i: usize| 2.0 * half.sin() * (half - angles[i]).sin() / (sines[(i + 1) % 3] * sines[(i + 2) % 3]) - 1.0;
     let cosines = [cosine(0), cosine(1), cosine(2)];
     let dihedrals = cosines.map(|c| side * (1.0 - c * c).max(0.0).sqrt());
     if dihedrals.iter().any(|sine| sine.abs() < NONE || !sine.is_finite()) {
@@ -146,7 +148,12 @@ mod tests {
         let positions = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z].map(|p| p * 1.5).to_vec();
         let top = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4]];
         let triangles = top.iter().flat_map(|[a, b, c]| [[*a, *b, *c], [*b, *a, 5]]).collect();
-        Mesh { normals: positions.iter().map(|p: &Vec3| p.normalize()).collect(), positions, uvs: Vec::new(), triangles }
+        Mesh {
+            normals: positions.iter().map(|p: &Vec3| p.normalize()).collect(),
+            positions,
+            uvs: Vec::new(),
+            triangles,
+        }
     }
 
     const CENTERS: [Vec3; 5] = [
@@ -161,7 +168,9 @@ mod tests {
     fn centers_are_at_rest_with_the_mesh_and_follow_affine_maps() {
         let mesh = octahedron();
         let binding = Binding::new(&mesh, &CENTERS);
-        let affine = |p: Vec3| Vec3::new(1.3 * p.x + 0.2 * p.z, 0.7 * p.y - 0.4 * p.x, p.z + 0.3 * p.y) + Vec3::new(3.0, -1.0, 2.0);
+        let affine = |p: Vec3| {
+            Vec3::new(1.3 * p.x + 0.2 * p.z, 0.7 * p.y - 0.4 * p.x, p.z + 0.3 * p.y) + Vec3::new(3.0, -1.0, 2.0)
+        };
         let moved: Vec<Vec3> = mesh.positions.iter().map(|p| affine(*p)).collect();
         for (at_rest, center) in binding.centers(&mesh.positions).zip(CENTERS) {
             assert!(at_rest.distance(center) < 1e-6, "{at_rest} for {center}");

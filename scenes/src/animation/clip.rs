@@ -121,9 +121,9 @@ impl Track {
             Interpolation::Step => values[at.from],
             Interpolation::Linear => values[at.from].slerp(values[at.to], at.weight),
             Interpolation::Cubic => {
-                let sum = hermite(at).into_iter().fold(DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), |sum, (index, weight)| {
-                    sum + values[index] * weight
-                });
+                let sum = hermite(at)
+                    .into_iter()
+                    .fold(DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), |sum, (index, weight)| sum + values[index] * weight);
                 if sum.length_squared() > 0.0 { sum.normalize() } else { values[3 * at.from + 1] }
             }
         }
@@ -161,7 +161,8 @@ mod tests {
         let clip = track(Keys::Translations(vec![DVec3::X, DVec3::Y]), &[1.0, 2.0], Interpolation::Linear);
         assert_eq!((at(&clip, 0.0).translation, at(&clip, 5.0).translation), (DVec3::X, DVec3::Y));
         assert_eq!((at(&clip, 1.5).translation, clip.duration), (DVec3::new(0.5, 0.5, 0.0), 2.0));
-        let steps = Clip { tracks: vec![Track { interpolation: Interpolation::Step, ..clip.tracks[0].clone() }], ..clip };
+        let steps =
+            Clip { tracks: vec![Track { interpolation: Interpolation::Step, ..clip.tracks[0].clone() }], ..clip };
         assert_eq!(at(&steps, 1.999).translation, DVec3::X);
     }
 

@@ -51,7 +51,8 @@ impl Procedural {
     /// How the surroundings of a point are stretched and turned at a time: the derivative of [`Procedural::point`].
     pub fn derivative(&self, p: DVec3, time: f64) -> DMat3 {
         let step = 1e-5 * (1.0 + p.length());
-        let along = |axis: DVec3| (self.point(p + axis * step, time) - self.point(p - axis * step, time)) / (2.0 * step);
+        let along =
+            |axis: DVec3| (self.point(p + axis * step, time) - self.point(p - axis * step, time)) / (2.0 * step);
         DMat3::from_cols(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
     }
 
@@ -135,7 +136,8 @@ mod tests {
     #[test]
     fn a_bent_axis_keeps_its_length_and_turns_as_told() {
         let deformation = Procedural { form: Form::Bend { angle: 1.0, length: 2.0 }, period: 4.0 };
-        let points: Vec<DVec3> = (0..=1000).map(|i| deformation.point(DVec3::X * 2.0 * f64::from(i) / 1000.0, 1.0)).collect();
+        let points: Vec<DVec3> =
+            (0..=1000).map(|i| deformation.point(DVec3::X * 2.0 * f64::from(i) / 1000.0, 1.0)).collect();
         let length: f64 = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
         let end = points[1000] - points[999];
         assert!((length - 2.0).abs() < 1e-6 && (end.z.atan2(end.x) - 1.0).abs() < 1e-3, "{length} {end}");

@@ -104,7 +104,9 @@ mod tests {
         let (posed, normal) = vertex(&[DAffine3::IDENTITY, moved], &four, Vec3::Y, Vec3::Z);
         assert_eq!((posed, normal), (Vec3::new(0.5, 1.0, 0.0), Vec3::Z));
         let turn = DAffine3::from_quat(DQuat::from_rotation_x(1.0));
-        assert!(vertex(&[turn], &strongest(Vec::new()), Vec3::Y, Vec3::Y).1.distance(Vec3::new(0.0, 0.5403, 0.8415)) < 1e-4);
+        assert!(
+            vertex(&[turn], &strongest(Vec::new()), Vec3::Y, Vec3::Y).1.distance(Vec3::new(0.0, 0.5403, 0.8415)) < 1e-4
+        );
     }
 
     #[test]

@@ -37,10 +37,9 @@ impl Source<'_> {
             (None, None, Some(flap), None) => {
                 Form::Flap { angle: angle(flap.degrees)?, hinge: length("flap.hinge", flap.hinge)? }
             }
-            (None, None, None, Some(egg)) => Form::Egg {
-                stretch: share("stretch", egg.stretch)?.into(),
-                taper: share("taper", egg.taper)?.into(),
-            },
+            (None, None, None, Some(egg)) => {
+                Form::Egg { stretch: share("stretch", egg.stretch)?.into(), taper: share("taper", egg.taper)?.into() }
+            }
             (twist, bend, flap, egg) => {
                 let given = [
                     ("twist", twist.is_some()),
@@ -80,7 +79,12 @@ impl Source<'_> {
     }
 
     /// The meshes of a glTF file, one object for each of its materials.
-    pub(super) fn gltf(&self, file: &GltfFile, rest: &Rest, notices: &mut Vec<String>) -> Result<Vec<Object>, SceneError> {
+    pub(super) fn gltf(
+        &self,
+        file: &GltfFile,
+        rest: &Rest,
+        notices: &mut Vec<String>,
+    ) -> Result<Vec<Object>, SceneError> {
         let field = format!("{}.gltf", self.field);
         self.no_deform()?;
         let (clip, playback) = (file.clip.as_deref(), self.playback(&field, &file.play)?);
@@ -120,7 +124,12 @@ impl Source<'_> {
 
     fn no_deform(&self) -> Result<(), SceneError> {
         let holds = self.file.deform.is_none();
-        self.check.ensure(holds, &format!("{}.deform", self.field), "only beside a mesh or a solid", &self.file.name)?;
+        self.check.ensure(
+            holds,
+            &format!("{}.deform", self.field),
+            "only beside a mesh or a solid",
+            &self.file.name,
+        )?;
         Ok(())
     }
 }

@@ -35,8 +35,7 @@ const SHORTEST: f32 = 1e-3;
 
 /// The body at rest; none if no limb has a length.
 pub(super) fn around(capture: &Capture, thickness: f32, resolution: u32) -> Option<Body> {
-    let skeleton =
-        Skeleton { joints: capture.joints.clone(), clip: Clip::default(), playback: Playback::default() };
+    let skeleton = Skeleton { joints: capture.joints.clone(), clip: Clip::default(), playback: Playback::default() };
     let world = skeleton.at_rest();
     let at = |joint: usize| world[joint].translation.as_vec3();
     let inner = capture.joints.iter().enumerate().filter_map(|(joint, own)| Some((own.parent?, at(joint))));

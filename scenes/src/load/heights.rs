@@ -52,13 +52,7 @@ fn read(
 }
 
 /// The heights of a PNG are shares of a range.
-fn stretch(
-    check: Checker,
-    field: &str,
-    file: &HeightsFile,
-    name: &str,
-    heights: &mut [f32],
-) -> Result<(), SceneError> {
+fn stretch(check: Checker, field: &str, file: &HeightsFile, name: &str, heights: &mut [f32]) -> Result<(), SceneError> {
     let field = format!("{field}.range");
     match (file.range, name.to_lowercase().ends_with(".png")) {
         (None, false) => Ok(()),

@@ -53,7 +53,12 @@ fn values_out_of_range() {
         ("albedo = [0.9, 0.2, 0.2]", "albedo = [nan, 0.2, 0.2]", "objects[1].albedo: ", "[0, 1]"),
         ("name = \"ball\"", "name = \"cube\"", "objects[2].name: ", "no other object"),
         ("name = \"ball\"", "name = \"\"", "objects[2].name: ", "expected a name"),
-        (BALL, "", "objects[2]: ", "exactly one of mesh, sphere, random_spheres, plane, heights, ball, block, cylinder, blob, character, gltf, found []"),
+        (
+            BALL,
+            "",
+            "objects[2]: ",
+            "exactly one of mesh, sphere, random_spheres, plane, heights, ball, block, cylinder, blob, character, gltf, found []",
+        ),
         (
             BALL,
             "sphere = { center = [1.5, 0.0, 1.0], radius = 1.0 }\nplane = { size = [1.0, 1.0] }",

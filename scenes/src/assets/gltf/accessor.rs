@@ -1,8 +1,8 @@
 //! Numbers in buffers. Whatever an accessor claims, nothing beyond its view is read.
 
+use gltf::Accessor;
 use gltf::accessor::{DataType, Dimensions, sparse};
 use gltf::buffer::View;
-use gltf::Accessor;
 
 use super::File;
 use crate::SceneError;
@@ -37,7 +37,9 @@ impl File<'_> {
         }
         match values.iter().position(|value| value.iter().any(|v| !v.is_finite())) {
             None => Ok(values),
-            Some(index) => Err(self.check.invalid(&format!("{name}, element {index}"), "finite numbers", values[index])),
+            Some(index) => {
+                Err(self.check.invalid(&format!("{name}, element {index}"), "finite numbers", values[index]))
+            }
         }
     }
 
@@ -62,7 +64,8 @@ impl File<'_> {
             let index = number(at, kind) as usize;
             let most = values.len();
             let value = values.get_mut(index);
-            *value.ok_or_else(|| self.check.invalid(name, format!("sparse indices below {most}"), index))? = element(with);
+            *value.ok_or_else(|| self.check.invalid(name, format!("sparse indices below {most}"), index))? =
+                element(with);
         }
         Ok(())
     }
@@ -75,7 +78,8 @@ impl File<'_> {
     ) -> Result<impl Iterator<Item = &'b [u8]> + use<'b>, SceneError> {
         let bytes = self.buffers.view(self.check, view)?;
         let Range { offset, count, stride, size } = range;
-        let end = count.checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size)?.checked_add(offset));
+        let end =
+            count.checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size)?.checked_add(offset));
         let fits = end.is_some_and(|end| end <= bytes.len()) && stride >= size;
         if !fits {
             let expected = format!("1 or more elements of {size} bytes within its view's {}", bytes.len());

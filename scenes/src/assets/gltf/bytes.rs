@@ -19,7 +19,9 @@ impl Buffers {
         for buffer in document.buffers() {
             let field = format!("buffers[{}]", buffer.index());
             let bytes = match buffer.source() {
-                Source::Bin => blob.take().ok_or_else(|| check.invalid(&field, "a binary chunk in the file", "none"))?,
+                Source::Bin => {
+                    blob.take().ok_or_else(|| check.invalid(&field, "a binary chunk in the file", "none"))?
+                }
                 Source::Uri(uri) => fetch(asset, &field, uri)?,
             };
             if bytes.len() < buffer.length() {
@@ -36,7 +38,11 @@ impl Buffers {
         let end = view.offset().checked_add(view.length());
         end.and_then(|end| buffer.get(view.offset()..end)).ok_or_else(|| {
             let field = format!("bufferViews[{}]", view.index());
-            check.invalid(&field, format!("a range of its buffer's {} bytes", buffer.len()), (view.offset(), view.length()))
+            check.invalid(
+                &field,
+                format!("a range of its buffer's {} bytes", buffer.len()),
+                (view.offset(), view.length()),
+            )
         })
     }
 }
@@ -61,7 +67,8 @@ fn unescaped(uri: &str) -> String {
     let mut bytes = Vec::new();
     let mut rest = uri.as_bytes();
     while let Some((first, tail)) = rest.split_first() {
-        let coded = tail.get(..2).and_then(|two| str::from_utf8(two).ok()).and_then(|two| u8::from_str_radix(two, 16).ok());
+        let coded =
+            tail.get(..2).and_then(|two| str::from_utf8(two).ok()).and_then(|two| u8::from_str_radix(two, 16).ok());
         match (first, coded) {
             (b'%', Some(byte)) => {
                 bytes.push(byte);

@@ -1,8 +1,8 @@
 //! Nodes as joints, and animations as clips.
 
-use gltf::animation::Property;
-use gltf::animation::Interpolation as Written;
 use glam::{DMat4, DQuat, DVec3};
+use gltf::animation::Interpolation as Written;
+use gltf::animation::Property;
 
 use super::{File, place};
 use crate::SceneError;
@@ -104,8 +104,12 @@ pub(super) fn clip(file: &File, nodes: &Nodes, wanted: &str) -> Result<Clip, Sce
     let by_name = file.document.animations().find(|animation| animation.name() == Some(wanted));
     let by_number = || wanted.parse().ok().and_then(|number| file.document.animations().nth(number));
     let animation = by_name.or_else(by_number).ok_or_else(|| {
-        let names: Vec<String> =
-            file.document.animations().enumerate().map(|(i, a)| a.name().map_or(i.to_string(), str::to_owned)).collect();
+        let names: Vec<String> = file
+            .document
+            .animations()
+            .enumerate()
+            .map(|(i, a)| a.name().map_or(i.to_string(), str::to_owned))
+            .collect();
         file.check.invalid("animations", format!("one of {names:?}"), wanted)
     })?;
     let mut tracks = Vec::new();

@@ -27,9 +27,7 @@ pub(super) fn look(
         notices.push(format!("{}: {place}: emissive texture left out", file.check.file.display()));
     }
     let texture = match base.base_color_texture() {
-        Some(info) if !mesh.uvs.is_empty() && info.tex_coord() == 0 => {
-            Some(texture(file, &info.texture())?)
-        }
+        Some(info) if !mesh.uvs.is_empty() && info.tex_coord() == 0 => Some(texture(file, &info.texture())?),
         Some(_) => {
             notices.push(format!("{}: {place}: texture without its coordinates left out", file.check.file.display()));
             None

@@ -85,7 +85,9 @@ fn part(
 /// One line of what may be several.
 fn malformed(check: Checker, error: &gltf::Error) -> SceneError {
     let text: Vec<String> = match error {
-        gltf::Error::Validation(found) => found.iter().take(3).map(|(path, error)| format!("{path}: {error}")).collect(),
+        gltf::Error::Validation(found) => {
+            found.iter().take(3).map(|(path, error)| format!("{path}: {error}")).collect()
+        }
         other => vec![other.to_string()],
     };
     check.malformed("glTF", text.join("; ").replace('\n', ", "))

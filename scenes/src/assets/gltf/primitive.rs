@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use glam::{DAffine3, DMat4, Vec2, Vec3};
 use gltf::mesh::{Mode, Semantic};
 use gltf::{Node, Primitive};
-use glam::{DAffine3, DMat4, Vec2, Vec3};
 
 use super::hierarchy::Nodes;
 use super::{File, Wanted};
@@ -57,7 +57,9 @@ fn raw(file: &File, place: &str, primitive: &Primitive) -> Result<Mesh, SceneErr
     };
     let (positions, mut normals) = (vectors(Semantic::Positions)?, vectors(Semantic::Normals)?);
     let mut uvs: Vec<Vec2> = match primitive.get(&Semantic::TexCoords(0)) {
-        Some(accessor) => file.numbers::<2>(&accessor)?.into_iter().map(|uv| Vec2::from_array(uv.map(|v| v as f32))).collect(),
+        Some(accessor) => {
+            file.numbers::<2>(&accessor)?.into_iter().map(|uv| Vec2::from_array(uv.map(|v| v as f32))).collect()
+        }
         None => Vec::new(),
     };
     let matches = |count: usize| count == 0 || count == positions.len();
