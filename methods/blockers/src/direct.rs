@@ -2,28 +2,26 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
 use halflight_contract::{
     Error, Flow, Footprint, Job, Meter, Output, ParamSpec, Params, Prepared, Quantity, Request, Result, Support,
     counted, timed,
 };
 use halflight_light::{LightOf, ShLight};
-use halflight_proxies::{PosedSpheres, SphereSet, blockers, sphere_sets};
-use halflight_scenes::{Frame, Receivers, Rgb, Scene, SceneFacts};
-use halflight_sh::{apply_bands, coefficients, irradiance_weights, product, project_binary_bound, window};
+use halflight_proxies::{PosedSpheres, Proxy, blockers, proxies};
+use halflight_scenes::{Frame, Receivers, Scene, SceneFacts};
+use halflight_sh::{Batch, Block, apply_bands, coefficients, window};
 use rayon::prelude::*;
 
-use crate::{Circle, Gather, Tally, params};
+use crate::shading::Shading;
+use crate::{Circles, Gather, Tally, params};
 
 /// Receivers that one task handles.
 const CHUNK: usize = 256;
 
-/// Above this, light times visibility could overflow: the guard then acts even where it is switched off.
-const OVERFLOW: f32 = 1e30;
-
-/// How the circles at a receiver become visibility. A value is a method's setting; its `State` one task's scratch.
+/// How the circles at receivers become visibility, 16 receivers side by side. A value is a method's setting; its `State` one
+/// task's scratch.
 pub trait Accumulator: Send + Sync + Sized {
-    /// Scratch, reused from receiver to receiver.
+    /// Scratch, reused from one 16 receivers to the next.
     type State: Send;
     /// The method's parameters, those of [`params`] included.
     const PARAMS: &'static [ParamSpec];
@@ -32,12 +30,19 @@ pub trait Accumulator: Send + Sync + Sized {
     fn new(params: &Params) -> Self;
     /// Fresh scratch.
     fn state(&self) -> Self::State;
-    /// Starts a receiver.
+    /// Starts 16 receivers.
     fn begin(&self, state: &mut Self::State);
-    /// Adds a blocker.
-    fn block(&self, state: &mut Self::State, circle: &Circle);
-    /// Writes the receiver's visibility, `order²` coefficients, and counts the SH operations spent on it.
-    fn finish(&self, state: &mut Self::State, visibility: &mut [f32], work: &mut Work);
+    /// Adds blockers: at each receiver the circles in its lane, in the order given. A lane without a circle stays as it is.
+    fn block(&self, state: &mut Self::State, circles: &Circles);
+    /// Writes the visibilities, `order²` blocks, and counts the SH operations spent on them. `blockers` holds the number of
+    /// circles at each receiver; lanes beyond are nobody's.
+    fn finish(&self, state: &mut Self::State, blockers: &[u32], visibility: &mut [Block<f32>], work: &mut Work);
+}
+
+/// Writes the visibility of an open sky to a lane.
+pub fn fill_open(visibility: &mut [Block<f32>], lane: usize) {
+    visibility.iter_mut().for_each(|block| block.0[lane] = 0.0);
+    visibility[0].0[lane] = (4.0 * std::f32::consts::PI).sqrt();
 }
 
 /// SH operations.
@@ -60,7 +65,7 @@ pub struct DirectLight<'s, A> {
     order: usize,
     light: Arc<ShLight>,
     light_window: Vec<f32>,
-    sets: Vec<Option<Arc<SphereSet>>>,
+    proxies: Vec<Option<Proxy>>,
     spheres: PosedSpheres,
     gather: Gather,
     accumulator: A,
@@ -96,7 +101,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
     /// Derives sphere sets and light.
     pub fn prepare(job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Self> {
         let order = job.params.int(params::ORDER.name);
-        let sets = sphere_sets(job, job.params.int(params::SPHERES.name), meter)?;
+        let proxies = proxies(job, job.params.int(params::SPHERES.name), meter)?;
         let light = job.derive(&LightOf { order }, meter)?;
         let light_window = match job.params.flag(params::WINDOW_LIGHT.name) {
             true => bands(order),
@@ -108,13 +113,29 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             order,
             light,
             light_window,
-            sets,
+            proxies,
             spheres: PosedSpheres::default(),
             gather: params::gather(job.params),
             accumulator: A::new(job.params),
             result: Vec::new(),
             quantity: Quantity::Direct,
         })
+    }
+
+    fn shading(&self) -> Shading<'_, A> {
+        Shading {
+            accumulator: &self.accumulator,
+            batch: Batch::new(self.order),
+            gather: self.gather,
+            spheres: &self.spheres.spheres,
+            quantity: self.quantity,
+            guard: self.params.flag(params::GUARD.name),
+            visibility_window: self.params.flag(params::WINDOW_VISIBILITY.name).then(|| bands(self.order)),
+            light: self.light.rgb.clone().map(|mut channel| {
+                apply_bands(&self.light_window, &mut channel);
+                channel
+            }),
+        }
     }
 }
 
@@ -124,9 +145,9 @@ fn bands(order: usize) -> Vec<f32> {
 
 impl<A: Accumulator> Prepared for DirectLight<'_, A> {
     fn footprint(&self) -> Footprint {
-        let sets = self.sets.iter().flatten();
+        let proxies = self.proxies.iter().flatten();
         Footprint::default()
-            .host("sphere sets (shared)", sets.map(|set| size_of_val(set.spheres.as_slice())).sum())
+            .host("sphere sets (shared)", proxies.map(Proxy::bytes).sum())
             .host(
                 "posed spheres",
                 size_of_val(self.spheres.spheres.as_slice()) + size_of_val(self.spheres.object.as_slice()),
@@ -143,7 +164,7 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
     }
 
     fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
-        self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.sets));
+        self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.proxies));
         Ok(())
     }
 
@@ -156,7 +177,7 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
             return Err(Error::Cancelled);
         }
         let mut result = std::mem::take(&mut self.result);
-        let shading = Shading::new(self);
+        let shading = self.shading();
         let (tally, work) = timed(meter, "accumulate and shade", |_| {
             result
                 .par_chunks_mut(CHUNK * quantity.channels())
@@ -186,94 +207,6 @@ fn report(meter: &mut dyn Meter, receivers: &Receivers, tally: &Tally, work: &Wo
         ("receivers guarded", work.guarded),
     ];
     counted(meter, &amounts);
-}
-
-/// What a task needs to shade receivers.
-struct Shading<'a, A> {
-    method: &'a DirectLight<'a, A>,
-    guard: bool,
-    visibility_window: Option<Vec<f32>>,
-    light: [Vec<f32>; 3],
-}
-
-impl<'a, A: Accumulator> Shading<'a, A> {
-    fn new(method: &'a DirectLight<'_, A>) -> Self {
-        let light = method.light.rgb.clone().map(|mut channel| {
-            apply_bands(&method.light_window, &mut channel);
-            channel
-        });
-        Shading {
-            method,
-            guard: method.params.flag(params::GUARD.name),
-            visibility_window: method.params.flag(params::WINDOW_VISIBILITY.name).then(|| bands(method.order)),
-            light,
-        }
-    }
-
-    fn chunk(&self, receivers: &Receivers, first: usize, out: &mut [f32]) -> (Tally, Work) {
-        let size = coefficients(self.method.order);
-        let mut state = self.method.accumulator.state();
-        let [mut visibility, mut weights, mut transfer] = [0; 3].map(|_| vec![0.0; size]);
-        let (mut tally, mut work) = Default::default();
-        for (i, out) in out.chunks_exact_mut(self.method.quantity.channels()).enumerate() {
-            let receiver = first + i;
-            if !receivers.valid[receiver] {
-                continue;
-            }
-            self.visibility(receivers, receiver, &mut state, &mut visibility, &mut tally, &mut work);
-            match self.method.quantity {
-                Quantity::Visibility { .. } => out.copy_from_slice(&visibility[..out.len()]),
-                _ => {
-                    irradiance_weights(self.method.order, receivers.normal[receiver].to_array(), &mut weights);
-                    product(self.method.order, &weights, &visibility, &mut transfer);
-                    let radiance = self.irradiance(&transfer) * receivers.albedo[receiver];
-                    out.copy_from_slice(&radiance.to_array());
-                }
-            }
-        }
-        (tally, work)
-    }
-
-    fn visibility(
-        &self,
-        receivers: &Receivers,
-        receiver: usize,
-        state: &mut A::State,
-        visibility: &mut [f32],
-        tally: &mut Tally,
-        work: &mut Work,
-    ) {
-        let accumulator = &self.method.accumulator;
-        accumulator.begin(state);
-        let (position, normal) = (receivers.position[receiver], receivers.geometric_normal[receiver]);
-        let spheres = &self.method.spheres.spheres;
-        self.method.gather.circles(position, normal, spheres, tally, |circle| accumulator.block(state, circle));
-        accumulator.finish(state, visibility, work);
-        if self.guard || visibility.iter().any(|v| v.is_nan() || v.abs() > OVERFLOW) {
-            work.guarded += u64::from(project_binary_bound(self.method.order, visibility));
-        }
-        if let Some(window) = &self.visibility_window {
-            apply_bands(window, visibility);
-        }
-    }
-
-    /// `(L, H(N), g)` for each colour, with the transfer `H(N) * g` already made.
-    fn irradiance(&self, transfer: &[f32]) -> Rgb {
-        let dot = |channel: &[f32]| channel.iter().zip(transfer).map(|(l, t)| l * t).sum::<f32>();
-        Vec3::new(dot(&self.light[0]), dot(&self.light[1]), dot(&self.light[2]))
-    }
-}
-
-impl std::ops::Add for Tally {
-    type Output = Tally;
-
-    fn add(self, other: Tally) -> Tally {
-        Tally {
-            accumulated: self.accumulated + other.accumulated,
-            removed: self.removed + other.removed,
-            too_small: self.too_small + other.too_small,
-        }
-    }
 }
 
 impl std::ops::Add for Work {

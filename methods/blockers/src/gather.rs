@@ -1,8 +1,13 @@
-//! Gathering the circles of all blockers that matter at a receiver.
+//! Gathering the circles of all blockers that matter at 16 receivers.
 
-use glam::Vec3;
-use halflight_proxies::{Circle, SelfShadow, seen};
-use halflight_scenes::Sphere;
+use halflight_proxies::SelfShadow;
+use halflight_scenes::{Receivers, Sphere};
+use halflight_sh::{LANES, Simd, run};
+
+use crate::seen::{Circles, Counts, Group, Seen};
+
+/// Spheres looked at before their circles are accumulated: few, so that the circles stay in the nearest cache.
+const SPHERES: usize = 16;
 
 /// Which blockers count.
 #[derive(Clone, Copy, Debug)]
@@ -24,24 +29,156 @@ pub struct Tally {
     pub too_small: u64,
 }
 
+impl std::ops::Add for Tally {
+    type Output = Tally;
+
+    fn add(self, other: Tally) -> Tally {
+        Tally {
+            accumulated: self.accumulated + other.accumulated,
+            removed: self.removed + other.removed,
+            too_small: self.too_small + other.too_small,
+        }
+    }
+}
+
 impl Gather {
-    /// Calls `accumulate` with the circle of each blocker that counts, in the order given.
+    /// Calls `accumulate` with the circles of the blockers that count at receivers `numbers`, at most 16, some spheres at a time
+    /// and in the order given; spheres that no receiver sees are left out. A lane beyond the receivers repeats the last one.
+    ///
+    /// Returns how many circles each receiver has.
+    ///
+    /// # Panics
+    /// If there are no numbers or more than 16.
     pub fn circles(
         &self,
-        position: Vec3,
-        normal: Vec3,
+        receivers: &Receivers,
+        numbers: &[usize],
         spheres: &[Sphere],
         tally: &mut Tally,
-        mut accumulate: impl FnMut(&Circle),
-    ) {
+        accumulate: impl FnMut(&Circles),
+    ) -> [u32; LANES] {
+        self.circles_by(Simd::best(), receivers, numbers, spheres, tally, accumulate)
+    }
+
+    fn circles_by(
+        &self,
+        simd: Simd,
+        receivers: &Receivers,
+        numbers: &[usize],
+        spheres: &[Sphere],
+        tally: &mut Tally,
+        mut accumulate: impl FnMut(&Circles),
+    ) -> [u32; LANES] {
+        assert!((1..=LANES).contains(&numbers.len()), "{} receivers, expected 1 to {LANES}", numbers.len());
+        let group = Group::new(receivers, numbers);
+        let mut circles = Circles::default();
+        let mut blockers = [0; LANES];
+        for spheres in spheres.chunks(SPHERES) {
+            let mut counts = Counts::default();
+            run(simd, Seen { gather: *self, group: &group, spheres, circles: &mut circles, counts: &mut counts });
+            blockers.iter_mut().zip(counts.accumulated.0).for_each(|(sum, count)| *sum += count as u32);
+            for lane in 0..numbers.len() {
+                let (accumulated, too_small) = (counts.accumulated.0[lane] as u64, counts.too_small.0[lane] as u64);
+                tally.accumulated += accumulated;
+                tally.too_small += too_small;
+                tally.removed += spheres.len() as u64 - accumulated - too_small;
+            }
+            if !circles.sines.is_empty() {
+                accumulate(&circles);
+            }
+        }
+        blockers
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use halflight_proxies::{Circle, seen};
+    use halflight_scenes::{Layout, Revision};
+
+    use super::*;
+
+    /// Receivers about the origin, before spheres that hold them, poke through their planes, lie before and behind them.
+    fn scene() -> (Receivers, Vec<Sphere>) {
+        let wave = |i: usize, phase: f32| (i as f32 * 2.399 + phase).sin();
+        let receivers = Receivers {
+            layout: Layout::List,
+            position: (0..37).map(|i| 0.5 * Vec3::new(wave(i, 0.0), wave(i, 1.0), wave(i, 2.0))).collect(),
+            geometric_normal: (0..37)
+                .map(|i| Vec3::new(wave(i, 4.0), wave(3 * i, 5.0), wave(i, 0.5)).normalize())
+                .collect(),
+            normal: Vec::new(),
+            albedo: Vec::new(),
+            valid: Vec::new(),
+            place: Vec::new(),
+            revision: Revision(0),
+        };
+        let sphere = |i: usize| Sphere {
+            center: Vec3::new(wave(i, 1.5), wave(5 * i, 2.5), wave(7 * i, 0.1)),
+            radius: 0.7 * wave(i, 3.0).abs(),
+        };
+        let mut spheres: Vec<Sphere> = (0..50).map(sphere).collect();
+        spheres.push(Sphere { center: receivers.position[3], radius: 0.2 });
+        spheres.push(Sphere { center: Vec3::ONE, radius: 0.0 });
+        (receivers, spheres)
+    }
+
+    fn expected(gather: &Gather, position: Vec3, normal: Vec3, spheres: &[Sphere]) -> (Vec<Circle>, Tally) {
+        let mut tally = Tally::default();
+        let mut circles = Vec::new();
         for sphere in spheres {
-            match seen(self.self_shadow, position, normal, sphere) {
+            match seen(gather.self_shadow, position, normal, sphere) {
                 None => tally.removed += 1,
-                Some(circle) if circle.sin_angle < self.min_sin_angle => tally.too_small += 1,
+                Some(circle) if circle.sin_angle < gather.min_sin_angle => tally.too_small += 1,
                 Some(circle) => {
                     tally.accumulated += 1;
-                    accumulate(&circle);
+                    circles.push(circle);
                 }
+            }
+        }
+        (circles, tally)
+    }
+
+    #[test]
+    fn each_receiver_sees_the_circles_that_it_sees_alone() {
+        let (receivers, spheres) = scene();
+        for (self_shadow, min_sin_angle, simd) in [SelfShadow::Paper, SelfShadow::Continuous, SelfShadow::Off]
+            .into_iter()
+            .flat_map(|rule| [(rule, 0.0), (rule, 0.3)])
+            .flat_map(|(rule, least)| Simd::ALL.map(|simd| (rule, least, simd)))
+            .filter(|(_, _, simd)| simd.is_available())
+        {
+            let gather = Gather { self_shadow, min_sin_angle };
+            let numbers: Vec<usize> = (0..receivers.position.len()).collect();
+            for group in numbers.chunks(LANES) {
+                let (mut tally, mut circles) = (Tally::default(), vec![Vec::new(); LANES]);
+                let counts = gather.circles_by(simd, &receivers, group, &spheres, &mut tally, |seen| {
+                    assert_eq!(seen.axes.len(), seen.sines.len());
+                    for (axes, sines) in seen.axes.iter().zip(&seen.sines) {
+                        assert!(sines.0.iter().any(|sine| *sine > 0.0), "a sphere that nobody sees");
+                        for (lane, list) in circles.iter_mut().enumerate() {
+                            let axis = Vec3::from_array(std::array::from_fn(|i| axes[i].0[lane]));
+                            match sines.0[lane] {
+                                0.0 => assert!(axis.is_finite()),
+                                sin_angle => list.push(Circle { axis, sin_angle }),
+                            }
+                        }
+                    }
+                });
+                let mut sum = Tally::default();
+                for (lane, &number) in group.iter().enumerate() {
+                    let (position, normal) = (receivers.position[number], receivers.geometric_normal[number]);
+                    let (want, alone) = expected(&gather, position, normal, &spheres);
+                    sum = sum + alone;
+                    assert_eq!(counts[lane] as usize, want.len());
+                    assert_eq!(circles[lane].len(), want.len(), "{self_shadow:?}, {simd:?}, receiver {number}");
+                    for (got, want) in circles[lane].iter().zip(&want) {
+                        assert_eq!(got.sin_angle, want.sin_angle);
+                        assert!(got.axis.abs_diff_eq(want.axis, 2e-7), "{got:?} instead of {want:?}");
+                    }
+                }
+                assert_eq!(tally, sum, "{self_shadow:?}, {simd:?}");
             }
         }
     }

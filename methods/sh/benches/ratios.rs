@@ -111,10 +111,11 @@ fn other_kernels(order: usize) -> Vec<Kernel> {
         list.push(kernel(&format!("{name} zonal rotation"), lanes, move || {
             batch.rotate_zonal(black_box(&z), black_box(&d), &mut out);
         }));
-        let (sines, mut zonal, mut out) = (vec![Block::splat(0.4f32); BLOCKS], zonal, blocks::<f32>(order, 0.0));
+        let (sines, mut zonal) = (vec![Block::splat(0.4f32); BLOCKS], zonal);
+        let mut out = vec![Block::ZERO; coefficients(order)];
         list.push(kernel(&format!("{name} log blocker"), lanes, move || {
             batch.circle_logs(black_box(&sines), &mut zonal);
-            batch.add_zonal(&zonal, &directions, &mut out);
+            batch.sum_zonal(&zonal, &directions, &mut out);
             black_box(&mut out).fill(Block::ZERO);
         }));
         let f: Vec<Block<f32>> = (0..BLOCKS).flat_map(|_| log.iter().map(|&x| Block::splat(x))).collect();

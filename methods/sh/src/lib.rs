@@ -74,7 +74,7 @@ pub use eigen::SymmetricEigen;
 pub use exp::{ExpWorkspace, SquaringRule, Work, exact as exp_exact};
 pub use gamma::{Gamma, Triple, gamma};
 pub use guard::project_binary_bound;
-pub use halflight_sh_kernels::{Block, LANES, Real, Simd};
+pub use halflight_sh_kernels::{Block, LANES, Lanes, Real, Simd, Task, run};
 pub use log::{EIGENVALUE_CLIP, log_eigen, log_naive};
 pub use order::{MAX_ORDER, OrderError, check_order, coefficients, index};
 pub use quadrature::{Quadrature, gauss_legendre, project};

@@ -1,8 +1,8 @@
-//! Sums of log visibilities on the CPU, and the exponentials that end them.
+//! Sums of log visibilities on the CPU, 16 receivers side by side, and the exponentials that end them.
 
-use halflight_blockers::{Accumulator, Circle, Work, blocker_params, params};
+use halflight_blockers::{Accumulator, Circles, Work, blocker_params, fill_open, params};
 use halflight_contract::{Kind, ParamSpec, Params, Phase};
-use halflight_sh::{CircleTable, ExpWorkspace, SquaringRule, coefficients, rotate_zonal};
+use halflight_sh::{self as sh, Batch, BatchExp, Block, LANES, SquaringRule, coefficients};
 
 /// Degree of the product series.
 const DEGREE: ParamSpec = ParamSpec {
@@ -26,8 +26,8 @@ pub(crate) trait Exponential: Send + Sync {
     const PARAMS: &'static [ParamSpec];
     /// Setting from parameters.
     fn new(params: &Params) -> Self;
-    /// Writes the exponential of `log` and tells the operations it took.
-    fn exp(&self, workspace: &mut ExpWorkspace<f32>, log: &[f32], out: &mut [f32]) -> halflight_sh::Work;
+    /// Writes the exponentials of `log`, and the operations that each took to `spent`.
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]);
 }
 
 /// PS*-p.
@@ -43,8 +43,8 @@ impl Exponential for SeriesExp {
         SeriesExp { degree: params.int(DEGREE.name), rule: squaring(params) }
     }
 
-    fn exp(&self, workspace: &mut ExpWorkspace<f32>, log: &[f32], out: &mut [f32]) -> halflight_sh::Work {
-        workspace.scaled_series(self.degree, self.rule, log, out)
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
+        exp.scaled_series(self.degree, self.rule, log, out, spent);
     }
 }
 
@@ -60,8 +60,8 @@ impl Exponential for HybridExp {
         HybridExp { rule: squaring(params) }
     }
 
-    fn exp(&self, workspace: &mut ExpWorkspace<f32>, log: &[f32], out: &mut [f32]) -> halflight_sh::Work {
-        workspace.hybrid(self.rule, log, out)
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
+        exp.hybrid(self.rule, log, out, spent);
     }
 }
 
@@ -75,8 +75,8 @@ impl Exponential for EigenExp {
         EigenExp
     }
 
-    fn exp(&self, workspace: &mut ExpWorkspace<f32>, log: &[f32], out: &mut [f32]) -> halflight_sh::Work {
-        workspace.eigen(log, out)
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
+        exp.eigen(log, out, spent);
     }
 }
 
@@ -84,19 +84,17 @@ fn squaring(params: &Params) -> SquaringRule {
     SquaringRule { offset: params.float(SQUARING.name) }
 }
 
-/// The sum of tabulated circle logs (Ren 2006, eqs. 8 and 34), ended by an exponential.
+/// The sum of circle logs (Ren 2006, eqs. 8 and 34), ended by an exponential.
 pub(crate) struct LogSum<E> {
     order: usize,
     exponential: E,
 }
 
-/// The sum so far and scratch.
+/// The sums so far and scratch.
 pub(crate) struct State {
-    log: Vec<f32>,
-    circle: Vec<f32>,
-    zonal: Vec<f32>,
-    workspace: ExpWorkspace<f32>,
-    blockers: u64,
+    log: Vec<Block<f32>>,
+    zonal: Vec<Block<f32>>,
+    exp: BatchExp<f32>,
 }
 
 impl<E: Exponential> Accumulator for LogSum<E> {
@@ -108,32 +106,139 @@ impl<E: Exponential> Accumulator for LogSum<E> {
     }
 
     fn state(&self) -> State {
-        let [log, circle] = [0; 2].map(|_| vec![0.0; coefficients(self.order)]);
-        let workspace = ExpWorkspace::new(self.order);
-        State { log, circle, zonal: vec![0.0; self.order], workspace, blockers: 0 }
+        let log = vec![Block::ZERO; coefficients(self.order)];
+        State { log, zonal: Vec::new(), exp: BatchExp::new(Batch::new(self.order)) }
     }
 
     fn begin(&self, state: &mut State) {
-        state.log.fill(0.0);
-        state.blockers = 0;
+        state.log.fill(Block::ZERO);
     }
 
-    fn block(&self, state: &mut State, circle: &Circle) {
-        CircleTable::log(self.order).lookup(circle.sin_angle, &mut state.zonal);
-        rotate_zonal(self.order, &state.zonal, circle.axis.to_array(), &mut state.circle);
-        state.log.iter_mut().zip(&state.circle).for_each(|(sum, log)| *sum += log);
-        state.blockers += 1;
+    fn block(&self, State { log, zonal, exp }: &mut State, Circles { axes, sines }: &Circles) {
+        zonal.resize(self.order * sines.len(), Block::ZERO);
+        exp.batch().circle_logs(sines, zonal);
+        exp.batch().sum_zonal(zonal, axes, log);
     }
 
-    fn finish(&self, state: &mut State, visibility: &mut [f32], work: &mut Work) {
-        if state.blockers == 0 {
-            visibility.fill(0.0);
-            visibility[0] = (4.0 * std::f32::consts::PI).sqrt();
+    fn finish(&self, state: &mut State, blockers: &[u32], visibility: &mut [Block<f32>], work: &mut Work) {
+        if blockers.iter().all(|&count| count == 0) {
+            (0..LANES).for_each(|lane| fill_open(visibility, lane));
             return;
         }
-        let spent = self.exponential.exp(&mut state.workspace, &state.log, visibility);
-        work.additions += state.blockers;
-        work.products += u64::from(spent.products);
-        work.squares += u64::from(spent.squares);
+        let mut spent = [sh::Work::default(); LANES];
+        self.exponential.exp(&mut state.exp, &state.log, visibility, &mut spent[..blockers.len()]);
+        for (lane, (&count, spent)) in blockers.iter().zip(spent).enumerate() {
+            if count == 0 {
+                fill_open(visibility, lane);
+                continue;
+            }
+            work.additions += u64::from(count);
+            work.products += u64::from(spent.products);
+            work.squares += u64::from(spent.squares);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use halflight_sh::{CircleTable, ExpWorkspace, rotate_zonal};
+
+    use super::*;
+
+    /// Receivers with from 0 to 20 circles, those of up to 55° among them.
+    fn circles() -> (Circles, [u32; LANES]) {
+        let (mut circles, mut blockers) = (Circles::default(), [0; LANES]);
+        for k in 0..25usize {
+            let wave = |lane: usize, phase: f32| ((31 * k + 7 * lane) as f32 + phase).sin();
+            let axis = |lane| glam::Vec3::new(wave(lane, 0.0), wave(lane, 2.0), wave(3 * lane, 4.0)).normalize();
+            circles.axes.push(std::array::from_fn(|i| Block(std::array::from_fn(|lane| axis(lane)[i]))));
+            let seen = |lane: usize| (k + 3 * lane) % 20 < lane;
+            let sine = |lane| if seen(lane) { 0.05 + 0.77 * wave(lane, 5.0).abs().powi(3) } else { 0.0 };
+            circles.sines.push(Block(std::array::from_fn(sine)));
+            blockers.iter_mut().enumerate().for_each(|(lane, count)| *count += u32::from(seen(lane)));
+        }
+        (circles, blockers)
+    }
+
+    fn visibilities<E: Exponential>(params: &Params, circles: &Circles, blockers: &[u32]) -> (Vec<Block<f32>>, Work) {
+        let (method, mut work) = (LogSum::<E>::new(params), Work::default());
+        let mut state = method.state();
+        let mut visibility = vec![Block::splat(f32::NAN); coefficients(method.order)];
+        method.begin(&mut state);
+        let Circles { axes, sines } = circles;
+        for (axes, sines) in axes.chunks(16).zip(sines.chunks(16)) {
+            method.block(&mut state, &Circles { axes: axes.to_vec(), sines: sines.to_vec() });
+        }
+        method.finish(&mut state, blockers, &mut visibility, &mut work);
+        (visibility, work)
+    }
+
+    /// The log of the circles in a lane, one after the other from the table.
+    fn log(order: usize, Circles { axes, sines }: &Circles, lane: usize) -> Vec<f32> {
+        let mut sum = vec![0.0; coefficients(order)];
+        let (mut zonal, mut circle) = (vec![0.0; order], sum.clone());
+        for (axis, sine) in axes.iter().zip(sines).filter(|(_, sine)| sine.0[lane] > 0.0) {
+            CircleTable::log(order).lookup(sine.0[lane], &mut zonal);
+            rotate_zonal(order, &zonal, axis.map(|component| component.0[lane]), &mut circle);
+            sum.iter_mut().zip(&circle).for_each(|(sum, log)| *sum += log);
+        }
+        sum
+    }
+
+    fn norm(vector: impl Iterator<Item = f32>) -> f32 {
+        vector.map(|value| value * value).sum::<f32>().sqrt()
+    }
+
+    /// Each lane is what one vector at a time gives to 1e-3, squarings are as many, and lanes may be reordered.
+    fn check<E: Exponential>(single: fn(&mut ExpWorkspace<f32>, &[f32], &mut [f32]) -> sh::Work) {
+        let (circles, blockers) = circles();
+        for order in 1..=sh::MAX_ORDER {
+            let params = Params::resolve(E::PARAMS, [("order", order.to_string().as_str())]).expect("in range");
+            let (visibility, work) = visibilities::<E>(&params, &circles, &blockers);
+            let mut expected = Work { additions: blockers.iter().map(|&n| u64::from(n)).sum(), ..Work::default() };
+            for lane in 0..LANES {
+                let mut want = vec![0.0; coefficients(order)];
+                let spent = single(&mut ExpWorkspace::new(order), &log(order, &circles, lane), &mut want);
+                if blockers[lane] > 0 {
+                    expected.products += u64::from(spent.products);
+                    expected.squares += u64::from(spent.squares);
+                }
+                let error = norm(visibility.iter().zip(&want).map(|(got, want)| got.0[lane] - want));
+                assert!(error <= 1e-3 * norm(want.iter().copied()), "order {order}, lane {lane}: {error}");
+            }
+            assert_eq!(work, expected, "order {order}");
+
+            let turn = |block: &Block<f32>| Block(std::array::from_fn(|lane| block.0[(lane + 5) % LANES]));
+            let turned = Circles {
+                axes: circles.axes.iter().map(|axis| axis.each_ref().map(turn)).collect(),
+                sines: circles.sines.iter().map(turn).collect(),
+            };
+            let turned_blockers: Vec<u32> = (0..LANES).map(|lane| blockers[(lane + 5) % LANES]).collect();
+            let (again, _) = visibilities::<E>(&params, &turned, &turned_blockers);
+            assert_eq!(again, visibility.iter().map(turn).collect::<Vec<_>>(), "order {order}");
+        }
+    }
+
+    #[test]
+    fn lanes_are_what_single_receivers_were() {
+        check::<SeriesExp>(|exp, log, out| exp.scaled_series(2, SquaringRule::default(), log, out));
+        check::<HybridExp>(|exp, log, out| exp.hybrid(SquaringRule::default(), log, out));
+        check::<EigenExp>(ExpWorkspace::eigen);
+    }
+
+    #[test]
+    fn receivers_without_circles_see_an_open_sky() {
+        let none = Circles { axes: vec![Default::default()], sines: vec![Block::ZERO] };
+        let params = Params::defaults(HybridExp::PARAMS);
+        let (visibility, work) = visibilities::<HybridExp>(&params, &none, &[0; 3]);
+        assert_eq!(work, Work::default());
+        let (circles, mut blockers) = circles();
+        blockers[3] = 0;
+        let (beside, _) = visibilities::<HybridExp>(&params, &circles, &blockers);
+        let sky = (4.0 * std::f32::consts::PI).sqrt();
+        for (i, (alone, beside)) in visibility.iter().zip(&beside).enumerate() {
+            let want = if i == 0 { sky } else { 0.0 };
+            assert_eq!((alone.0[0], beside.0[3]), (want, want));
+        }
     }
 }

@@ -6,7 +6,7 @@ use crate::LANES;
 use crate::block::Block;
 use crate::pack::{Pack, Unpack};
 use crate::product::{
-    Evaluate, Kernel, MAX_SCALAR_ORDER, Product, Scalars, SingleProduct, SingleSquare, Square, Zonal, suited,
+    Evaluate, Kernel, MAX_SCALAR_ORDER, Product, Scalars, SingleProduct, SingleSquare, Square, Zonal, ZonalSum, suited,
     with_kernel,
 };
 use crate::simd::{Simd, run};
@@ -27,8 +27,8 @@ pub trait Kernels: Sized {
         directions: &[[Block<Self>; 3]],
         out: &mut [Block<Self>],
     );
-    /// The same added to `out`.
-    fn add_zonal(
+    /// The same added up in `out`.
+    fn sum_zonal(
         simd: Simd,
         order: usize,
         zonal: &[Block<Self>],
@@ -71,11 +71,11 @@ macro_rules! kernels {
                 out: &mut [Block<$t>],
             ) {
                 with_kernel!(order, K => {
-                    run(simd, Zonal::<_, K, false> { order, zonal, directions, out, kernel: PhantomData })
+                    run(simd, Zonal { order, zonal, directions, out, kernel: PhantomData::<K> })
                 });
             }
             #[inline(never)]
-            fn add_zonal(
+            fn sum_zonal(
                 simd: Simd,
                 order: usize,
                 zonal: &[Block<$t>],
@@ -83,7 +83,7 @@ macro_rules! kernels {
                 out: &mut [Block<$t>],
             ) {
                 with_kernel!(order, K => {
-                    run(simd, Zonal::<_, K, true> { order, zonal, directions, out, kernel: PhantomData })
+                    run(simd, ZonalSum { order, zonal, directions, out, kernel: PhantomData::<K> })
                 });
             }
             fn pack(simd: Simd, size: usize, vectors: &[$t], blocks: &mut [Block<$t>]) {

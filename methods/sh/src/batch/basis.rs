@@ -20,17 +20,20 @@ impl Batch {
     /// # Panics
     /// If `zonal` does not hold `n` blocks and `out` `n²` for each direction.
     pub fn rotate_zonal<T: Real>(&self, zonal: &[Block<T>], directions: &[[Block<T>; 3]], out: &mut [Block<T>]) {
-        self.assert_zonal(zonal, directions, out);
+        assert_eq!(zonal.len(), self.order * directions.len(), "n blocks a zonal vector");
+        assert_eq!(out.len(), coefficients(self.order) * directions.len(), "n² blocks a direction");
         T::rotate_zonal(self.simd, self.order, zonal, directions, out);
     }
 
-    /// [`Batch::rotate_zonal`] added to what `out` holds: `n²` additions a blocker, which come with the multiplications.
+    /// The sums of vectors as [`Batch::rotate_zonal`] makes them, lane by lane, added to what `out` holds: `n²` additions a
+    /// lobe, which come with the multiplications.
     ///
     /// # Panics
-    /// If `zonal` does not hold `n` blocks and `out` `n²` for each direction.
-    pub fn add_zonal<T: Real>(&self, zonal: &[Block<T>], directions: &[[Block<T>; 3]], out: &mut [Block<T>]) {
-        self.assert_zonal(zonal, directions, out);
-        T::add_zonal(self.simd, self.order, zonal, directions, out);
+    /// If `zonal` does not hold `n` blocks for each direction and `out` `n²`.
+    pub fn sum_zonal<T: Real>(&self, zonal: &[Block<T>], directions: &[[Block<T>; 3]], out: &mut [Block<T>]) {
+        assert_eq!(zonal.len(), self.order * directions.len(), "n blocks a zonal vector");
+        assert_eq!(out.len(), coefficients(self.order), "n² blocks");
+        T::sum_zonal(self.simd, self.order, zonal, directions, out);
     }
 
     /// Rotations about z, counter-clockwise seen from +z, by angles given as blocks of their cosines and of their sines;
@@ -42,12 +45,6 @@ impl Batch {
         self.assert_batches([input.len()], out.len());
         assert_eq!(out.len(), coefficients(self.order) * angles.len(), "n² blocks an angle");
         run(self.simd, RotateZ { order: self.order, angles, input, out });
-    }
-
-    #[track_caller]
-    fn assert_zonal<T>(&self, zonal: &[Block<T>], directions: &[[Block<T>; 3]], out: &[Block<T>]) {
-        assert_eq!(zonal.len(), self.order * directions.len(), "n blocks a zonal vector");
-        assert_eq!(out.len(), coefficients(self.order) * directions.len(), "n² blocks a direction");
     }
 }
 

@@ -229,8 +229,7 @@ impl<T: Real> BatchExp<T> {
             if group.squarings.0.iter().all(|&count| count > round) {
                 std::mem::swap(&mut self.value, &mut self.next);
             } else {
-                let task = Advance { round, squarings: &group.squarings, next: &self.next, value: &mut self.value };
-                run(self.batch.simd(), task);
+                self.batch.replace_above(round, &group.squarings, &self.next, &mut self.value);
             }
         }
         run(self.batch.simd(), Scale { factor: &group.factor, x: &self.value, out });
@@ -361,27 +360,6 @@ impl<T: Real> Task<T> for AddScaled<'_, T> {
             for part in 0..LANES / V::WIDTH {
                 let term = V::load(&x.0, part);
                 term.mul_add(V::splat(self.factor), V::load(&sum.0, part)).store(&mut sum.0, part);
-            }
-        }
-    }
-}
-
-/// `value = next` in lanes that are to be squared more often than `round` times.
-struct Advance<'a, T> {
-    round: T,
-    squarings: &'a Block<T>,
-    next: &'a [Block<T>],
-    value: &'a mut [Block<T>],
-}
-
-impl<T: Real> Task<T> for Advance<'_, T> {
-    #[inline(always)]
-    fn run<V: Lanes<Scalar = T>>(self) {
-        for part in 0..LANES / V::WIDTH {
-            let squarings = V::load(&self.squarings.0, part);
-            for (next, value) in self.next.iter().zip(&mut *self.value) {
-                let (new, old) = (V::load(&next.0, part), V::load(&value.0, part));
-                V::splat(self.round).where_less(squarings, new, old).store(&mut value.0, part);
             }
         }
     }

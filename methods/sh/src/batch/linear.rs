@@ -52,6 +52,66 @@ impl Batch {
             run(self.simd, Dot { x: &*product, y: c, out });
         }
     }
+
+    /// The dot product of one vector with the vector in each lane of a block.
+    ///
+    /// # Panics
+    /// If `weights` and `vectors` do not hold one vector each.
+    pub fn dot<T: Real>(&self, weights: &[T], vectors: &[Block<T>]) -> Block<T> {
+        self.assert_batches([weights.len()], vectors.len());
+        let mut out = Block::ZERO;
+        run(self.simd, Weighted { weights, x: vectors, out: &mut out });
+        out
+    }
+
+    /// Overwrites the lanes of `out` in which `values` exceeds `bound` with those of `input`.
+    ///
+    /// # Panics
+    /// If the batches do not hold one block of vectors each.
+    pub fn replace_above<T: Real>(&self, bound: T, values: &Block<T>, input: &[Block<T>], out: &mut [Block<T>]) {
+        self.assert_batches([input.len()], out.len());
+        assert_eq!(out.len(), coefficients(self.order), "one block of values, one of vectors");
+        run(self.simd, Replace { bound, values, input, out });
+    }
+}
+
+struct Weighted<'a, T> {
+    weights: &'a [T],
+    x: &'a [Block<T>],
+    out: &'a mut Block<T>,
+}
+
+impl<T: Real> Task<T> for Weighted<'_, T> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        for part in 0..LANES / V::WIDTH {
+            let mut sums = [V::constant(0.0); 4];
+            for (i, (&weight, x)) in self.weights.iter().zip(self.x).enumerate() {
+                sums[i % 4] = V::splat(weight).mul_add(V::load(&x.0, part), sums[i % 4]);
+            }
+            sums[0].add(sums[1]).add(sums[2].add(sums[3])).store(&mut self.out.0, part);
+        }
+    }
+}
+
+struct Replace<'a, T> {
+    bound: T,
+    values: &'a Block<T>,
+    input: &'a [Block<T>],
+    out: &'a mut [Block<T>],
+}
+
+impl<T: Real> Task<T> for Replace<'_, T> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        for part in 0..LANES / V::WIDTH {
+            let values = V::load(&self.values.0, part);
+            for (input, out) in self.input.iter().zip(&mut *self.out) {
+                let (new, old) = (V::load(&input.0, part), V::load(&out.0, part));
+                V::splat(self.bound).where_less(values, new, old).store(&mut out.0, part);
+            }
+        }
+    }
 }
 
 /// A square matrix times the leading coefficients of vectors that are `stride` blocks apart.

@@ -71,6 +71,8 @@ fn check<T: Real>(order: usize, a: &[Vec<f64>], b: &[Vec<f64>]) -> Result<(), Te
         gamma(order).product_matrix(&convert::<T>(&a[0]), &mut matrix);
         batch.matrix_product(&matrix, &right, &mut out);
         let by_matrix = unpacked(order, &out, b.len());
+        let first = convert::<T>(&a[0]);
+        let dots: Vec<Block<T>> = right.chunks_exact(first.len()).map(|b| batch.dot(&first, b)).collect();
         let mut vectors = convert::<T>(&a.concat());
         batch.product_vectors(&convert::<T>(&a.concat()), &convert(&b.concat()), &mut vectors);
         for (i, (x, y)) in a.iter().zip(b).enumerate() {
@@ -84,6 +86,8 @@ fn check<T: Real>(order: usize, a: &[Vec<f64>], b: &[Vec<f64>]) -> Result<(), Te
             let (integral, length) = (dot(&product, &wide(x)), own * norm(y) * order as f64);
             let triple = triples[i / LANES].0[i % LANES].to_f64();
             prop_assert!((triple - integral).abs() <= 4.0 * T::EPSILON.to_f64() * length, "{triple} for {integral}");
+            let (got, want) = (dots[i / LANES].0[i % LANES].to_f64(), dot(&wide(&a[0]), &wide(y)));
+            prop_assert!((got - want).abs() <= 4.0 * T::EPSILON.to_f64() * norm(&a[0]) * norm(y), "{got} for {want}");
             let single = batch.single_triple_product(&convert::<T>(x), &convert(y), &convert(x)).to_f64();
             prop_assert!((single - integral).abs() <= 4.0 * T::EPSILON.to_f64() * length, "{single} for {integral}");
             let mut first = x.clone();
@@ -142,6 +146,17 @@ fn a_lane_does_not_depend_on_its_neighbours() {
             batch.product(&crowd, &crowd, &mut b);
             assert!(a.iter().zip(&b).all(|(a, b)| a.0[0] == b.0[0] && b.0[..15].iter().all(|x| *x == b.0[0])));
         }
+    }
+}
+
+#[test]
+fn lanes_above_a_bound_are_replaced() {
+    for batch in instruction_sets(2) {
+        let values = Block(std::array::from_fn(|lane| [1.0f32, 2.0, f32::NAN, 3.0][lane % 4]));
+        let mut out = [Block::splat(7.0); 4];
+        batch.replace_above(1.0, &values, &[Block::splat(8.0); 4], &mut out);
+        let want = Block(std::array::from_fn(|lane| if lane % 2 == 1 { 8.0 } else { 7.0 }));
+        assert!(out.iter().all(|block| *block == want), "{:?}", batch.simd());
     }
 }
 

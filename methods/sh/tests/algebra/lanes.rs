@@ -38,8 +38,10 @@ fn check_basis<T: Real>(order: usize, directions: &[[f64; 3]], zonal: &[Vec<f64>
         let basis = unpacked(order, &out, directions.len());
         batch.rotate_zonal(&zonal_blocks, &blocks, &mut out);
         let lobes = unpacked(order, &out, directions.len());
-        batch.add_zonal(&zonal_blocks, &blocks, &mut out);
-        let twice = unpacked(order, &out, directions.len());
+        let lobe = &mut out[..coefficients(order)];
+        batch.sum_zonal(&zonal_blocks, &blocks, lobe);
+        let sums = unpacked(order, lobe, LANES.min(directions.len()));
+        let mut totals: Vec<Vec<f64>> = lobes[..sums.len()].to_vec(); // what `lobe` held before
         for (i, (direction, zonal)) in directions.iter().zip(zonal).enumerate() {
             let (direction, zonal) = (direction.map(|x| T::from_f64(x).to_f64()), convert::<T>(zonal));
             let zonal: Vec<f64> = zonal.iter().map(|x| x.to_f64()).collect();
@@ -48,7 +50,11 @@ fn check_basis<T: Real>(order: usize, directions: &[[f64; 3]], zonal: &[Vec<f64>
             close(&basis[i], &convert::<T>(&want), order as f64, 4.0)?;
             rotate_zonal(order, &zonal, direction, &mut want);
             close(&lobes[i], &convert::<T>(&want), order as f64 * norm(&zonal), 4.0)?;
-            close(&twice[i], &convert::<T>(&scaled(&want, 2.0)), order as f64 * norm(&zonal), 8.0)?;
+            totals[i % LANES].iter_mut().zip(&want).for_each(|(total, value)| *total += value);
+        }
+        let longest = zonal.iter().fold(0.0f64, |longest, zonal| longest.max(norm(zonal)));
+        for (sum, total) in sums.iter().zip(&totals) {
+            close(sum, &convert::<T>(total), order as f64 * longest, 16.0)?;
         }
     }
     Ok(())

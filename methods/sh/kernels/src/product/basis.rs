@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::{Kernel, Part};
+use super::{Kernel, Part, Sink, Source};
 use crate::LANES;
 use crate::block::Block;
 use crate::real::Real;
@@ -27,8 +27,8 @@ impl<T: Real, K: Kernel> Task<T> for Evaluate<'_, T, K> {
     }
 }
 
-/// Zonal vectors turned to directions, `ORDER` blocks each; added to what is there if `ADD`.
-pub(crate) struct Zonal<'a, T, K, const ADD: bool> {
+/// Zonal vectors turned to directions, `order` blocks each.
+pub(crate) struct Zonal<'a, T, K> {
     pub(crate) order: usize,
     pub(crate) zonal: &'a [Block<T>],
     pub(crate) directions: &'a [[Block<T>; 3]],
@@ -36,7 +36,7 @@ pub(crate) struct Zonal<'a, T, K, const ADD: bool> {
     pub(crate) kernel: PhantomData<K>,
 }
 
-impl<T: Real, K: Kernel, const ADD: bool> Task<T> for Zonal<'_, T, K, ADD> {
+impl<T: Real, K: Kernel> Task<T> for Zonal<'_, T, K> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = T>>(self) {
         let lobes = self.zonal.chunks_exact(self.order).zip(self.directions);
@@ -44,13 +44,48 @@ impl<T: Real, K: Kernel, const ADD: bool> Task<T> for Zonal<'_, T, K, ADD> {
             for part in 0..LANES / V::WIDTH {
                 let zonal = Part { blocks: zonal, part };
                 let direction = Part { blocks: direction.as_slice(), part };
-                let mut out = Part { blocks: &mut *out, part };
-                if ADD {
-                    K::add_zonal::<V>(&direction, &zonal, &mut out);
-                } else {
-                    K::rotate_zonal::<V>(&direction, &zonal, &mut out);
-                }
+                K::rotate_zonal::<V>(&direction, &zonal, &mut Part { blocks: &mut *out, part });
             }
+        }
+    }
+}
+
+/// The same added up in `out`, one vector a lane.
+pub(crate) struct ZonalSum<'a, T, K> {
+    pub(crate) order: usize,
+    pub(crate) zonal: &'a [Block<T>],
+    pub(crate) directions: &'a [[Block<T>; 3]],
+    pub(crate) out: &'a mut [Block<T>],
+    pub(crate) kernel: PhantomData<K>,
+}
+
+/// Coefficients that stay in registers, as far as there are enough.
+struct Registers<S>(S);
+
+impl<V: Lanes, S: AsRef<[V]>> Source<V> for Registers<S> {
+    #[inline(always)]
+    fn get(&self, i: usize) -> V {
+        self.0.as_ref()[i]
+    }
+}
+
+impl<V: Lanes, S: AsMut<[V]>> Sink<V> for Registers<S> {
+    #[inline(always)]
+    fn set(&mut self, i: usize, value: V) {
+        self.0.as_mut()[i] = value;
+    }
+}
+
+impl<T: Real, K: Kernel> Task<T> for ZonalSum<'_, T, K> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        for part in 0..LANES / V::WIDTH {
+            let mut sums = Registers(K::coefficients(|i| V::load(&self.out[i].0, part)));
+            for (zonal, direction) in self.zonal.chunks_exact(self.order).zip(self.directions) {
+                let direction = Part { blocks: direction.as_slice(), part };
+                K::add_zonal::<V>(&direction, &Part { blocks: zonal, part }, &mut sums);
+            }
+            self.out.iter_mut().enumerate().for_each(|(i, block)| sums.get(i).store(&mut block.0, part));
         }
     }
 }

@@ -5,7 +5,7 @@ mod basis;
 mod generated;
 mod single;
 
-pub(crate) use basis::{Evaluate, Zonal};
+pub(crate) use basis::{Evaluate, Zonal, ZonalSum};
 pub(crate) use single::{MAX_SCALAR_ORDER, Scalars, SingleProduct, SingleSquare, suited};
 
 use std::marker::PhantomData;
@@ -84,6 +84,10 @@ pub(crate) trait Kernel {
     type Rows<T: Real>: AsMut<[Block<T>]>;
     /// Rows of 0.
     fn rows<T: Real>() -> Self::Rows<T>;
+    /// A register for each coefficient.
+    type Coefficients<V: Lanes>: AsRef<[V]> + AsMut<[V]>;
+    /// Registers filled in turn.
+    fn coefficients<V: Lanes>(value: impl FnMut(usize) -> V) -> Self::Coefficients<V>;
     /// Tables of the single product, to rings and back.
     fn tables<T: Real>() -> [&'static [[T; LANES]]; 2];
     /// The basis functions at a direction.
@@ -127,6 +131,12 @@ macro_rules! kernel {
             #[inline(always)]
             fn rows<T: Real>() -> Self::Rows<T> {
                 [Block::ZERO; $order * $order]
+            }
+            type Coefficients<V: Lanes> = [V; $order * $order];
+
+            #[inline(always)]
+            fn coefficients<V: Lanes>(value: impl FnMut(usize) -> V) -> Self::Coefficients<V> {
+                std::array::from_fn(value)
             }
             #[inline(always)]
             fn tables<T: Real>() -> [&'static [[T; LANES]]; 2] {

@@ -19,7 +19,8 @@ pub struct F64x4(__m256d);
 /// The methods that differ between the two types by the intrinsics' suffix alone.
 macro_rules! arithmetic {
     ($wrap:ident, $t:ty, $width:literal, $set1:ident, $loadu:ident, $storeu:ident, $add:ident, $sub:ident, $mul:ident,
-     $div:ident, $fmadd:ident, $fnmadd:ident, $sqrt:ident, $min:ident, $max:ident, $floor:ident, $cmp:ident, $blendv:ident) => {
+     $div:ident, $fmadd:ident, $fnmadd:ident, $sqrt:ident, $min:ident, $max:ident, $floor:ident, $cmp:ident, $blendv:ident,
+     $movemask:ident) => {
         type Scalar = $t;
         const WIDTH: usize = $width;
 
@@ -94,6 +95,11 @@ macro_rules! arithmetic {
         fn where_less(self, bound: Self, below: Self, otherwise: Self) -> Self {
             // SAFETY: as in `splat`.
             $wrap(unsafe { $blendv(otherwise.0, below.0, $cmp::<_CMP_LT_OQ>(self.0, bound.0)) })
+        }
+        #[inline(always)]
+        fn any_less(self, bound: Self) -> bool {
+            // SAFETY: as in `splat`.
+            unsafe { $movemask($cmp::<_CMP_LT_OQ>(self.0, bound.0)) != 0 }
         }
     };
 }
@@ -215,7 +221,8 @@ impl Lanes for F32x8 {
         _mm256_max_ps,
         _mm256_floor_ps,
         _mm256_cmp_ps,
-        _mm256_blendv_ps
+        _mm256_blendv_ps,
+        _mm256_movemask_ps
     );
 
     #[inline(always)]
@@ -274,7 +281,8 @@ impl Lanes for F64x4 {
         _mm256_max_pd,
         _mm256_floor_pd,
         _mm256_cmp_pd,
-        _mm256_blendv_pd
+        _mm256_blendv_pd,
+        _mm256_movemask_pd
     );
     transposes!(F64x4, f64, 4, _mm256_loadu_pd, _mm256_storeu_pd, transpose_four);
 

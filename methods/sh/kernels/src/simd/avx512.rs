@@ -98,6 +98,11 @@ macro_rules! arithmetic {
             $wrap(unsafe { $blend($cmp::<_CMP_LT_OQ>(self.0, bound.0), otherwise.0, below.0) })
         }
         #[inline(always)]
+        fn any_less(self, bound: Self) -> bool {
+            // SAFETY: as in `splat`.
+            unsafe { $cmp::<_CMP_LT_OQ>(self.0, bound.0) != 0 }
+        }
+        #[inline(always)]
         fn pow2(self) -> Self {
             // SAFETY: as in `splat`.
             $wrap(unsafe { $scalef($set1(1.0), self.0) })

@@ -103,6 +103,8 @@ pub trait Lanes: Copy + 'static {
     fn exponent(self) -> Self;
     /// In each lane `below` where `self < bound`, else `otherwise`.
     fn where_less(self, bound: Self, below: Self, otherwise: Self) -> Self;
+    /// Whether `self < bound` in any lane.
+    fn any_less(self, bound: Self) -> bool;
     /// In each lane the entry of `table` whose number, 0 to 15, `self` is.
     fn select_from(self, table: &[Self::Scalar; 16]) -> Self;
 

@@ -76,6 +76,10 @@ macro_rules! scalar {
                 if self < bound { below } else { otherwise }
             }
             #[inline(always)]
+            fn any_less(self, bound: Self) -> bool {
+                self < bound
+            }
+            #[inline(always)]
             fn select_from(self, table: &[$t; 16]) -> Self {
                 table[self as usize & 15]
             }

@@ -1,0 +1,119 @@
+//! Shading of receivers, 16 side by side.
+
+use halflight_contract::Quantity;
+use halflight_scenes::{Receivers, Rgb, Sphere};
+use halflight_sh::{
+    Batch, Block, LANES, apply_bands, clamped_cosine, coefficients, pack, project_binary_bound, unpack,
+};
+
+use crate::{Accumulator, Gather, Tally, Work};
+
+/// Above this, light times visibility could overflow: the guard then acts even where it is switched off.
+const OVERFLOW: f32 = 1e30;
+
+/// What a task needs to shade receivers.
+pub(crate) struct Shading<'a, A> {
+    pub(crate) accumulator: &'a A,
+    pub(crate) batch: Batch,
+    pub(crate) gather: Gather,
+    pub(crate) spheres: &'a [Sphere],
+    pub(crate) quantity: Quantity,
+    pub(crate) guard: bool,
+    /// A factor for each band of visibility.
+    pub(crate) visibility_window: Option<Vec<f32>>,
+    pub(crate) light: [Vec<f32>; 3],
+}
+
+/// One task's scratch: vectors of 16 receivers, coefficient by coefficient unless said otherwise.
+struct Scratch<S> {
+    state: S,
+    visibility: Vec<Block<f32>>,
+    /// Visibility, one receiver after the other.
+    vectors: Vec<f32>,
+    /// `H` about z, the same in all lanes.
+    cosine: Vec<Block<f32>>,
+    /// `H(N)`.
+    weights: Vec<Block<f32>>,
+    /// `H(N) * g`.
+    transfer: Vec<Block<f32>>,
+}
+
+impl<A: Accumulator> Shading<'_, A> {
+    /// Fills `out` for the receivers from `first` on, leaving invalid ones as they are.
+    pub(crate) fn chunk(&self, receivers: &Receivers, first: usize, out: &mut [f32]) -> (Tally, Work) {
+        let (channels, size) = (self.quantity.channels(), coefficients(self.batch.order()));
+        let valid: Vec<usize> = (first..first + out.len() / channels).filter(|&i| receivers.valid[i]).collect();
+        let mut scratch = self.scratch();
+        let (mut tally, mut work) = Default::default();
+        for group in valid.chunks(LANES) {
+            self.visibility(receivers, group, &mut scratch, &mut tally, &mut work);
+            let mut write = |receiver: usize, values: &[f32]| {
+                out[(receiver - first) * channels..][..channels].copy_from_slice(&values[..channels]);
+            };
+            if let Quantity::Visibility { .. } = self.quantity {
+                let vectors = scratch.vectors.chunks_exact(size);
+                group.iter().zip(vectors).for_each(|(&receiver, vector)| write(receiver, vector));
+            } else {
+                let irradiance = self.irradiance(receivers, group, &mut scratch);
+                for (lane, &receiver) in group.iter().enumerate() {
+                    let irradiance = Rgb::from_array(irradiance.map(|channel| channel.0[lane]));
+                    write(receiver, &(irradiance * receivers.albedo[receiver]).to_array());
+                }
+            }
+        }
+        (tally, work)
+    }
+
+    fn scratch(&self) -> Scratch<A::State> {
+        let order = self.batch.order();
+        let blocks = || vec![Block::ZERO; coefficients(order)];
+        Scratch {
+            state: self.accumulator.state(),
+            visibility: blocks(),
+            vectors: vec![0.0; LANES * coefficients(order)],
+            cosine: clamped_cosine(order).iter().map(|&value| Block::splat(value as f32)).collect(),
+            weights: blocks(),
+            transfer: blocks(),
+        }
+    }
+
+    /// Stores the visibilities of a group, guarded and windowed, in `vectors`.
+    fn visibility(
+        &self,
+        receivers: &Receivers,
+        group: &[usize],
+        scratch: &mut Scratch<A::State>,
+        tally: &mut Tally,
+        work: &mut Work,
+    ) {
+        let (accumulator, order) = (self.accumulator, self.batch.order());
+        let Scratch { state, visibility, vectors, .. } = scratch;
+        accumulator.begin(state);
+        let accumulate = |circles: &_| accumulator.block(state, circles);
+        let blockers = self.gather.circles(receivers, group, self.spheres, tally, accumulate);
+        accumulator.finish(state, &blockers[..group.len()], visibility, work);
+        unpack(order, visibility, vectors);
+        for vector in vectors.chunks_exact_mut(coefficients(order)).take(group.len()) {
+            if self.guard || vector.iter().any(|v| v.is_nan() || v.abs() > OVERFLOW) {
+                work.guarded += u64::from(project_binary_bound(order, vector));
+            }
+            if let Some(window) = &self.visibility_window {
+                apply_bands(window, vector);
+            }
+        }
+    }
+
+    /// `(L, H(N) * g)` for each colour.
+    fn irradiance(&self, receivers: &Receivers, group: &[usize], scratch: &mut Scratch<A::State>) -> [Block<f32>; 3] {
+        let Scratch { visibility, vectors, cosine, weights, transfer, .. } = scratch;
+        let mut normal = [Block::ZERO; 3];
+        for (lane, &receiver) in group.iter().enumerate() {
+            let components = receivers.normal[receiver].to_array();
+            normal.iter_mut().zip(components).for_each(|(axis, component)| axis.0[lane] = component);
+        }
+        pack(self.batch.order(), vectors, visibility);
+        self.batch.rotate_zonal(cosine, &[normal], weights);
+        self.batch.product(weights, visibility, transfer);
+        std::array::from_fn(|channel| self.batch.dot(&self.light[channel], transfer))
+    }
+}
