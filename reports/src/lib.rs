@@ -34,7 +34,7 @@ mod threads;
 
 pub use budget::{Budget, BudgetStep};
 pub use collect::{build, outline};
-pub use fronts::{Against, Entry, Front, Relative};
 pub use criterion::{Benchmark, CriterionError, read_criterion};
+pub use fronts::{Against, Entry, Front, Relative};
 pub use report::{Absent, CrossCheck, Reference, Report, ReportError, Row, Scene};
 pub use scaling::{Fit, Scaling};
