@@ -3,6 +3,7 @@
 mod accuracy;
 mod bless;
 mod budget;
+mod count;
 mod crosscheck;
 mod diff;
 mod doctor;
@@ -68,6 +69,9 @@ enum Command {
     Refs(refs::Refs),
     /// Run what is not in the results yet (the default: the `gate` suite) and hold all of it against the baselines
     Gate(gate::Gate),
+    /// Shade a small frame, for valgrind to count its instructions
+    #[command(hide = true)]
+    Count(count::Count),
     /// Make what was measured the baselines, and say what changes
     Bless(bless::Bless),
     /// Compare two EXR pictures, or the pictures of two results directories
@@ -243,6 +247,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Budget(budget)) => budget.act(),
         Some(Command::Refs(refs)) => refs.act(),
         Some(Command::Gate(gate)) => gate.act(),
+        Some(Command::Count(count)) => count.act(),
         Some(Command::Bless(bless)) => bless.act(),
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
