@@ -305,3 +305,11 @@ fn more_squarings_are_more_accurate() {
         last = error;
     }
 }
+
+/// The default is the rule of orders 3 and 4; higher orders square oftener.
+#[test]
+fn rules_of_orders() {
+    let offsets: Vec<f64> = (1..=8).map(|order| SquaringRule::for_order(order).offset).collect();
+    assert_eq!(offsets, [2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 5.0, 5.0]);
+    assert_eq!(SquaringRule::for_order(4), SquaringRule::default());
+}
