@@ -9,6 +9,7 @@
 //! | plan | `plan.rs`, `judge.rs` | entries → cells, each run, cached or skipped with its reason |
 //! | execute | `execute.rs`, `recorder.rs` | cell → picture, times, counters, memory |
 //! | score | `score.rs` | picture and reference → error measures |
+//! | forecast | `todo.rs`, `forecast.rs` | what is left of a plan and a store → how long it may take |
 //! | table | `table.rs` | a store → rows of a CSV or Parquet file |
 //! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
 //! | gate | `gate/` | what a store holds, against baselines |
@@ -54,6 +55,7 @@ mod select;
 mod settings;
 mod suite;
 mod table;
+mod todo;
 
 pub use budget::{
     budget,

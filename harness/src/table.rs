@@ -102,7 +102,7 @@ impl Table {
                 Record::Run(run) => row.run(run),
                 Record::Skip(skip) => row.absent("skip", &skip.reason),
                 Record::Failure(failure) => row.absent("failure", &failure.error),
-                Record::Score(_) | Record::CrossCheck(_) => {}
+                Record::Score(_) | Record::Reference(_) | Record::CrossCheck(_) => {}
             }
             let scores = newest(store.scores(&cell.key()));
             rows.extend(scores.iter().map(|score| row.scored(score)));

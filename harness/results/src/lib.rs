@@ -28,6 +28,7 @@
 mod claim;
 mod exr;
 mod key;
+mod leftovers;
 mod lines;
 mod merge;
 mod picture;
@@ -39,6 +40,7 @@ pub use key::{Key, KeyError};
 pub use merge::Merged;
 pub use picture::{Layout, Picture, PictureError, ReferencePicture};
 pub use record::{
-    Cell, CrossCheck, Environment, Failure, Params, Phase, Record, Run, SCHEMA, Score, Skip, Storage, Timing,
+    Cell, CrossCheck, Environment, Failure, Params, Phase, Record, ReferenceMade, Run, SCHEMA, Score, Skip, Storage,
+    Timing,
 };
 pub use store::{Store, StoreError};

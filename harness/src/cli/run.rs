@@ -39,7 +39,9 @@ impl Run {
 
     pub(super) fn act(&self) -> anyhow::Result<Ending> {
         if self.dry_run {
-            return super::plan::tell(&self.pick, &self.out, self.repeats.into(), self.budget);
+            let references = crate::refs::store(&self.cache.path()?);
+            let (repeats, quality) = (self.repeats.into(), self.how_good.quality()?);
+            return super::plan::tell(&self.pick, &self.out, &references, &quality, repeats, self.budget);
         }
         let quality = self.how_good.quality()?;
         let terms = Terms { seed: self.pick.seed, timed_on: crate::environment::environment().class() };
