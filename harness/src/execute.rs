@@ -1,14 +1,9 @@
 //! Running a method on a scene: prepare once; for every frame update, evaluate and read; for other settings retune as far as
-//! their phases allow; everything timed and counted.
-//!
-//! **What is timed.** `prepare` is run twice and the second time taken: the first makes derived data (sphere sets, lights in
-//! SH), whose build time is charged apart. `update` is timed at its first call for a frame, for a second would find nothing
-//! to do. `shade` (one `evaluate`) and `read` are timed over a number of repeats after one to warm up. Counters are those of
-//! one `prepare`, `update`, `evaluate` and `read`.
+//! their phases allow; everything counted. Times are taken apart, side by side with other methods (`rounds.rs`).
 //!
 //! **What is shared.** A phase that was carried out for another cell and serves this one too (`prepare` of the same scene, or
-//! `update` of the same frame where only parameters of `evaluate` differ) has its time with that cell alone; this one names
-//! it. Counters and derived data are those that a cell by itself would have.
+//! `update` of the same frame where only parameters of `evaluate` differ) is not carried out again; this cell names the
+//! other. Counters and derived data are those that a cell by itself would have.
 //!
 //! An error or a panic of the method ends the frame at hand, not the program; the next frame is prepared anew.
 
@@ -27,8 +22,6 @@ pub(crate) struct Task<'a> {
     pub(crate) quantity: Quantity,
     pub(crate) backend: Backend,
     pub(crate) seed: u64,
-    /// Timed evaluations a frame, after one to warm up; 0 for a result without times.
-    pub(crate) repeats: usize,
     pub(crate) cache: &'a Cache,
 }
 
@@ -42,29 +35,25 @@ pub(crate) struct Shaded {
 }
 
 /// A method made ready.
-struct Ready<'s> {
-    method: Box<dyn Prepared + 's>,
-    prepared: Done,
+pub(crate) struct Ready<'s> {
+    pub(crate) method: Box<dyn Prepared + 's>,
+    pub(crate) prepared: Done,
     /// The frame that it stands at.
     updated: Option<(usize, Done)>,
-    /// What a `retune` took that no cell bears yet.
-    retuned: Recorded,
 }
 
 /// A phase that was carried out, what it left in the meter, and the cell that it was carried out for.
-struct Done {
+pub(crate) struct Done {
     phase: Phase,
-    recorded: Recorded,
+    pub(crate) recorded: Recorded,
     cell: Key,
 }
 
 impl Done {
-    /// Adds to a cell's record what the phase left: its times where it was carried out for this cell, and otherwise whose.
+    /// Adds to a cell's record what the phase left, and whose it was if not this cell's.
     fn serve(&self, cell: &Key, recorded: &mut Recorded, shared: &mut BTreeMap<String, Key>) {
-        if self.cell == *cell {
-            recorded.add(self.recorded.clone());
-        } else {
-            recorded.add(Recorded { phases: BTreeMap::new(), ..self.recorded.clone() });
+        recorded.add(self.recorded.clone());
+        if self.cell != *cell {
             shared.insert(self.phase.name().to_owned(), self.cell.clone());
         }
     }
@@ -86,18 +75,10 @@ impl<'a> Runner<'a> {
         let before = std::mem::replace(&mut self.task.params, params);
         let Some(phase) = params.first_change(before, self.task.method.info().params) else { return };
         let Some(mut ready) = self.ready.take().filter(|_| phase > halflight_contract::Phase::Prepare) else { return };
-        let mut recorded = Recorded::default();
-        let mut silent = |_: &str, _: u64, _: u64| ();
-        let mut recorder = Recorder::new(&mut silent);
-        let retune = || {
-            let retune = |_: &mut dyn Meter| ready.method.retune(params);
-            recorder.phase(&mut recorded, Phase::Prepare, "retune", retune).map_err(text)?;
-            Ok(ready)
-        };
+        let retune = || ready.method.retune(params).map_err(text).map(|()| ready);
         // A method that cannot be retuned after all is prepared.
         self.ready = guarded(retune).ok().map(|ready| Ready {
             updated: ready.updated.filter(|_| phase == halflight_contract::Phase::Evaluate),
-            retuned: recorded,
             ..ready
         });
     }
@@ -108,7 +89,7 @@ impl<'a> Runner<'a> {
         let work = || {
             let mut ready = match ready {
                 Some(ready) => ready,
-                None => prepare(&self.task, cell, steps)?,
+                None => prepare_once(&self.task, cell, steps)?,
             };
             let shaded = shade(&self.task, &mut ready, frame, cell, steps)?;
             Ok((shaded, ready))
@@ -143,18 +124,11 @@ impl<'a> Runner<'a> {
     }
 }
 
-fn prepare<'s>(task: &Task<'s>, cell: &Key, steps: &mut Steps<'_>) -> Result<Ready<'s>, String> {
-    if task.repeats > 0 {
-        prepare_once(task, cell, steps)?;
-    }
-    prepare_once(task, cell, steps)
-}
-
 /// With a job of its own, since a job charges each piece of derived data once.
-fn prepare_once<'s>(task: &Task<'s>, cell: &Key, steps: &mut Steps<'_>) -> Result<Ready<'s>, String> {
+pub(crate) fn prepare_once<'s>(task: &Task<'s>, cell: &Key, steps: &mut Steps<'_>) -> Result<Ready<'s>, String> {
     let job = Job::new(task.scene, task.params, task.seed, task.backend, task.cache);
     let (method, prepared) = carry_out(Phase::Prepare, cell, steps, |meter| task.method.prepare(&job, meter))?;
-    Ok(Ready { method, prepared, updated: None, retuned: Recorded::default() })
+    Ok(Ready { method, prepared, updated: None })
 }
 
 /// Carries out a whole phase for a cell.
@@ -182,20 +156,15 @@ fn shade(
         Some((_, updated)) => updated,
         None => carry_out(Phase::Update, cell, steps, |meter| method.update(frame, meter))?.1,
     };
-    let (mut recorded, mut shared) = (std::mem::take(&mut ready.retuned), BTreeMap::new());
+    let (mut recorded, mut shared) = (Recorded::default(), BTreeMap::new());
     ready.prepared.serve(cell, &mut recorded, &mut shared);
     updated.serve(cell, &mut recorded, &mut shared);
     ready.updated = Some((frame.index, updated));
 
     let mut recorder = Recorder::new(steps);
     let mut radiance = vec![Rgb::NAN; frame.receivers.len()];
-    let mut warm_up = Recorded::default();
-    evaluate(task, method.as_mut(), frame, &mut recorder, &mut warm_up, &mut radiance)?;
+    evaluate(task, method.as_mut(), frame, &mut recorder, &mut recorded, &mut radiance)?;
     recorder.settle(&mut recorded);
-    for _ in 0..task.repeats {
-        evaluate(task, method.as_mut(), frame, &mut recorder, &mut recorded, &mut radiance)?;
-    }
-    recorder.forget();
     match radiance.iter().position(|value| !value.is_finite()) {
         Some(receiver) => {
             Err(format!("radiance at receiver {receiver} is {}, expected finite values", radiance[receiver]))
@@ -204,7 +173,19 @@ fn shade(
     }
 }
 
-fn evaluate(
+/// All that a moving scene forces, timed.
+pub(crate) fn update(
+    ready: &mut Ready<'_>,
+    frame: &Frame,
+    recorder: &mut Recorder<'_>,
+    recorded: &mut Recorded,
+) -> Result<(), String> {
+    let update = |meter: &mut dyn Meter| ready.method.update(frame, meter);
+    recorder.phase(recorded, Phase::Update, Phase::Update.name(), update).map_err(text)
+}
+
+/// One evaluation and reading its result, timed.
+pub(crate) fn evaluate(
     task: &Task<'_>,
     method: &mut dyn Prepared,
     frame: &Frame,

@@ -1,7 +1,7 @@
 //! How long cells and references may take, from the runs that are in a store.
 
 use crate::plan::Group;
-use halflight_results::{Cell, Environment, Phase, Record, Run, Store};
+use halflight_results::{Cell, Environment, Phase, Record, Store, Times};
 use std::collections::{HashMap, HashSet};
 use std::ops::Add;
 
@@ -56,14 +56,11 @@ impl Forecast {
         let class = environment.class();
         for record in store.outcomes() {
             let Record::Run(run) = record else { continue };
-            if run.environment.class() != class {
+            let Some(times) = store.times(&run.cell.key()).filter(|_| run.environment.class() == class) else {
                 continue;
-            }
-            forecast.cell.add(kin(&run.cell), seconds(run, repeats));
-            if let Some(prepare) = median(run, Phase::Prepare.name()) {
-                // Once to make derived data, once to take the time.
-                forecast.prepare.add(kin(&run.cell), 2.0 * prepare);
-            }
+            };
+            forecast.cell.add(kin(&run.cell), seconds(times, repeats));
+            forecast.prepare.add(kin(&run.cell), median(times, Phase::Prepare.name()));
         }
         for made in store.references_made().filter(|made| made.environment.class() == class && made.receivers > 0) {
             let kin = reference_kin(&made.scene_hash, &made.reference, &made.quantity);
@@ -166,15 +163,17 @@ fn reference_kin(scene_hash: &str, reference: &str, quantity: &str) -> [Vec<Stri
     [of(&[reference, quantity, scene_hash]), of(&[&kind, quantity, scene_hash]), of(&[&kind, quantity]), of(&[])]
 }
 
-/// A prepared cell's time with so many repeats: `update` is run once, the rest once more than is timed.
-fn seconds(run: &Run, repeats: usize) -> f64 {
-    let shade = [Phase::Shade.name(), "read"].into_iter().filter_map(|name| median(run, name)).sum::<f64>();
-    median(run, Phase::Update.name()).unwrap_or(0.0) + (repeats as f64 + 1.0) * shade
+/// A cell's time with so many repeats but for the `prepare` of its picture, which it may share: `prepare` is run once to be
+/// timed, `update` for the picture and to be timed, the rest again to warm up and for each repeat.
+fn seconds(times: &Times, repeats: usize) -> f64 {
+    let shade = median(times, Phase::Shade.name()) + median(times, "read");
+    median(times, Phase::Prepare.name()) + 2.0 * median(times, Phase::Update.name()) + (repeats as f64 + 2.0) * shade
 }
 
-/// The median time of a span, seconds.
-fn median(run: &Run, name: &str) -> Option<f64> {
-    Some(halflight_metrics::median(&run.phases.get(name)?.nanoseconds)? * 1e-9)
+/// The median time of a span, seconds; 0 if there is none.
+fn median(times: &Times, name: &str) -> f64 {
+    let samples = times.phases.get(name).map_or(&[][..], |timing| &timing.nanoseconds);
+    halflight_metrics::median(samples).unwrap_or(0.0) * 1e-9
 }
 
 #[cfg(test)]
@@ -182,34 +181,35 @@ mod tests {
     use super::*;
     use crate::plan::{Plan, Terms};
     use crate::select::Selection;
-    use halflight_results::{Key, ReferenceMade, Timing};
+    use halflight_results::{Calibration, Key, ReferenceMade, Run, Timing};
 
     fn cell(scene: &str, method: &str, order: u32, seed: u64) -> Cell {
         let params = [("order".to_owned(), order.into())].into();
         Cell { scene_hash: scene.into(), method: method.into(), params, seed, ..Cell::default() }
     }
 
-    fn timing(phase: Phase, seconds: f64) -> (String, Timing) {
-        (phase.name().to_owned(), Timing { phase, nanoseconds: vec![seconds * 1e9; 3] })
-    }
-
-    fn run(cell: Cell, shade: f64) -> Record {
-        let phases = [timing(Phase::Prepare, 1.0), timing(Phase::Shade, shade)].into();
-        Record::Run(Box::new(Run { cell, phases, ..Run::default() }))
+    /// A run with its times.
+    fn run(store: &mut Store, cell: Cell, shade: f64) {
+        let timing = |phase, seconds: f64| Timing { phase, nanoseconds: vec![seconds * 1e9; 3] };
+        let (prepare, shade) = (timing(Phase::Prepare, 1.0), timing(Phase::Shade, shade));
+        let phases = [("prepare".to_owned(), prepare), ("shade".to_owned(), shade)].into();
+        let times = Times { run: cell.key(), taken: 0, beside: 1, phases, calibration: Calibration::default() };
+        store.append(Record::Run(Box::new(Run { cell, ..Run::default() }))).unwrap();
+        store.append(Record::Times(Box::new(times))).unwrap();
     }
 
     #[test]
     fn the_nearest_kin_tell() {
         let dir = tempfile::tempdir().unwrap();
         let mut store = Store::open(dir.path()).unwrap();
-        store.append(run(cell("s", "a", 3, 1), 1.0)).unwrap();
-        store.append(run(cell("s", "a", 5, 1), 3.0)).unwrap();
-        store.append(run(cell("t", "a", 5, 1), 8.0)).unwrap();
+        run(&mut store, cell("s", "a", 3, 1), 1.0);
+        run(&mut store, cell("s", "a", 5, 1), 3.0);
+        run(&mut store, cell("t", "a", 5, 1), 8.0);
         let forecast = Forecast::new(&store, &Environment::default(), 1);
-        // Twice to prepare; shaded twice, once to warm up.
-        assert_eq!(forecast.seconds(&cell("s", "a", 3, 2)), Some(4.0));
-        assert_eq!(forecast.seconds(&cell("s", "a", 4, 1)), Some((4.0 + 8.0) / 2.0));
-        assert_eq!(forecast.seconds(&cell("u", "a", 4, 1)), Some((4.0 + 8.0 + 18.0) / 3.0));
+        // Twice to prepare; shaded thrice: for the picture, to warm up, timed.
+        assert_eq!(forecast.seconds(&cell("s", "a", 3, 2)), Some(5.0));
+        assert_eq!(forecast.seconds(&cell("s", "a", 4, 1)), Some((5.0 + 11.0) / 2.0));
+        assert_eq!(forecast.seconds(&cell("u", "a", 4, 1)), Some((5.0 + 11.0 + 26.0) / 3.0));
         assert_eq!(forecast.seconds(&cell("s", "b", 3, 1)), None);
         let elsewhere = Environment { cpu: "another".into(), ..Environment::default() };
         assert_eq!(Forecast::new(&store, &elsewhere, 1).seconds(&cell("s", "a", 3, 1)), None);
@@ -227,11 +227,11 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let mut store = Store::open(dir.path()).unwrap();
         for group in &plan.groups[..4] {
-            store.append(run(group.cells[0].clone(), 1.0)).unwrap();
+            run(&mut store, group.cells[0].clone(), 1.0);
         }
         let forecast = Forecast::new(&store, &Environment::default(), 1);
-        // Two orders are prepared, six cells shaded twice.
-        assert_eq!(forecast.sum(plan.cells(), []), Expected { seconds: 2.0 * 2.0 + 6.0 * 2.0, unknown: 0 });
+        // Two orders are prepared for their pictures, six cells prepared to be timed and shaded thrice.
+        assert_eq!(forecast.sum(plan.cells(), []), Expected { seconds: 2.0 + 6.0 * 4.0, unknown: 0 });
     }
 
     #[test]

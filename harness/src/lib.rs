@@ -7,7 +7,8 @@
 //! |---|---|---|
 //! | select | `select.rs`, `suite.rs`, `settings.rs` | command line or suite file → entries |
 //! | plan | `plan.rs`, `judge.rs` | entries → cells, each run, cached or skipped with its reason |
-//! | execute | `execute.rs`, `recorder.rs` | cell → picture, times, counters, memory |
+//! | execute | `execute.rs`, `recorder.rs` | cell → picture, counters, memory |
+//! | time | `run/timing.rs`, `rounds.rs`, `calibrate.rs` | cells → their times, side by side |
 //! | score | `score.rs` | picture and reference → error measures |
 //! | forecast | `todo.rs`, `forecast.rs` | what is left of a plan and a store → how long it may take |
 //! | table | `table.rs` | a store → rows of a CSV or Parquet file |
@@ -33,6 +34,7 @@
 //! ```
 
 mod budget;
+mod calibrate;
 pub mod cli;
 mod crosscheck;
 mod environment;
@@ -49,7 +51,9 @@ mod progress;
 mod recorder;
 pub mod refs;
 mod rescore;
+mod rounds;
 mod run;
+pub mod scaling;
 mod score;
 mod select;
 mod settings;

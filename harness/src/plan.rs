@@ -38,6 +38,7 @@ pub struct Stage {
 }
 
 /// A method with its parameters on all frames of a scene.
+#[derive(Clone)]
 pub struct Group {
     /// Index into [`Plan::scenes`].
     pub scene: usize,
@@ -49,6 +50,8 @@ pub struct Group {
     pub quantity: Quantity,
     /// Where.
     pub backend: Backend,
+    /// Threads that times are taken on; those of all other work if nothing is said.
+    pub threads: Option<usize>,
     /// The method's answer to the request.
     pub support: Support,
     /// One cell a frame.
@@ -64,6 +67,8 @@ pub struct Group {
 pub enum State {
     /// It is run.
     Run,
+    /// Its picture is in the store, its times are to be taken.
+    Time,
     /// Its result is in the store.
     Cached,
     /// The method does not serve it, for this reason.
@@ -76,7 +81,10 @@ impl Group {
         let defaults = Params::defaults(self.method.info().params);
         let usual: HashMap<_, _> = defaults.iter().collect();
         let set = self.params.iter().filter(|(name, value)| usual[name] != *value || *name == "order");
-        let set: String = set.map(|(name, value)| format!(" {name}={value}")).collect();
+        let mut set: String = set.map(|(name, value)| format!(" {name}={value}")).collect();
+        if let Some(threads) = self.threads {
+            set += &format!(" on {threads} threads");
+        }
         format!("{} · {}{set}", plan.scenes[self.scene].scene.name, self.method.info().id)
     }
 
@@ -94,7 +102,10 @@ impl Group {
             (Support::Skip(why), _) => State::Skip(why.clone()),
             _ if self.empty.contains(&cell.frame) => State::Skip(format!("frame {} has no receiver", cell.frame)),
             // A failure is tried again: its cause may have lain outside the key, such as a full disk.
-            (_, Some(Record::Run(run))) if has_picture(run, store) => State::Cached,
+            (_, Some(Record::Run(run))) if has_picture(run, store) => {
+                let timed = cell.timed_on.is_none() || store.times(&cell.key()).is_some();
+                if timed { State::Cached } else { State::Time }
+            }
             _ => State::Run,
         }
     }
@@ -140,6 +151,18 @@ impl Plan {
         }
         plan.groups.sort_by_key(|group| (group.scene, first[&group.preparation()]));
         Ok(plan)
+    }
+
+    /// The same work once for each number of threads; `class` says what times taken on so many hold for.
+    #[must_use]
+    pub fn on_threads(mut self, counts: &[usize], class: impl Fn(usize) -> String) -> Self {
+        let on = |group: &Group, threads: usize| {
+            let timed_on = |cell: &Cell| Cell { timed_on: Some(class(threads)), ..cell.clone() };
+            Group { threads: Some(threads), cells: group.cells.iter().map(timed_on).collect(), ..group.clone() }
+        };
+        // Side by side, so that they are timed side by side.
+        self.groups = self.groups.iter().flat_map(|group| counts.iter().map(move |n| on(group, *n))).collect();
+        self
     }
 
     /// Every cell with its group.
@@ -188,6 +211,7 @@ impl Plan {
             params: params.clone(),
             quantity,
             backend,
+            threads: None,
             support: method.supports(&content.facts(), &Request { quantity, backend, params }),
             cells: frames.iter().map(cell).collect(),
             empty: frames.iter().filter(|f| !f.receivers.valid.contains(&true)).map(|f| f.index as u32).collect(),

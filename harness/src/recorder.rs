@@ -61,12 +61,6 @@ impl<'p> Recorder<'p> {
             *recorded.derived.entry(name).or_default() += nanoseconds;
         }
     }
-
-    /// Forgets the counters and derived data met so far: repeats do the same work again.
-    pub(crate) fn forget(&mut self) {
-        self.counters.clear();
-        self.derived.clear();
-    }
 }
 
 impl Recorded {

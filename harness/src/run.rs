@@ -4,7 +4,10 @@
 //! Several processes on one store share the work: each claims the cell or reference that it is about to make, and leaves
 //! what another has claimed for last.
 
+mod timing;
+
 use crate::Error;
+use crate::calibrate::Calibrator;
 use crate::execute::{Runner, Shaded, Task};
 use crate::forecast::Forecast;
 use crate::plan::{Group, Plan, State};
@@ -17,6 +20,8 @@ use halflight_contract::{Cache, Support};
 use halflight_references::{Quality, ReferenceStore};
 use halflight_results::{Cell, Environment, Failure, Key, Record, ReferenceMade, Run, Skip, Store, StoreError};
 use halflight_scenes::Frame;
+use rayon::ThreadPool;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -37,10 +42,10 @@ pub struct Options {
 }
 
 impl Options {
-    /// Timed evaluations a cell where nothing else is said.
-    pub const REPEATS: usize = 5;
+    /// Timed evaluations a cell where nothing else is said: the fewest whose median has an interval of 95%.
+    pub const REPEATS: usize = 6;
 
-    /// Five repeats, references of the default quality, progress shown, no budget.
+    /// Six repeats, references of the default quality, progress shown, no budget.
     pub fn new(cache: impl Into<PathBuf>) -> Self {
         Self {
             cache: cache.into(),
@@ -61,6 +66,8 @@ pub struct Summary {
     pub cached: usize,
     /// Cells that their method does not serve.
     pub skipped: usize,
+    /// Cells whose times were taken.
+    pub timed: usize,
     /// Cells that failed.
     pub failed: usize,
     /// Scores that were added.
@@ -82,14 +89,27 @@ pub struct Summary {
 pub fn run(plan: &Plan, store: &mut Store, options: &Options) -> Result<Summary, Error> {
     let started = Instant::now();
     let scenes = Todo::all(plan, store, &options.quality);
-    let steps = scenes.iter().map(|todo| todo.cells.len() + todo.judgements.len()).sum();
+    let steps = scenes.iter().map(|todo| todo.cells.len() + todo.untimed.len() + todo.judgements.len()).sum();
     let references = ReferenceStore::open(options.cache.join("references"))?;
     let progress = if options.show_progress { Progress::new(steps) } else { Progress::silent() };
     let environment = crate::environment();
     let forecast = Forecast::new(store, &environment, options.repeats);
     let left = Left::of(&scenes, &references);
+    let (pools, calibrator) = (timing::pools(plan)?, Calibrator::new());
     let summary = Summary::default();
-    let mut running = Running { plan, store, options, references, environment, progress, forecast, left, summary };
+    let mut running = Running {
+        plan,
+        store,
+        options,
+        references,
+        environment,
+        progress,
+        forecast,
+        left,
+        summary,
+        pools: &pools,
+        calibrator: &calibrator,
+    };
     running.tell_expected();
     match options.budget {
         None => scenes.iter().try_for_each(|todo| running.scene(todo))?,
@@ -108,6 +128,9 @@ struct Running<'r> {
     forecast: Forecast,
     left: Left<'r>,
     summary: Summary,
+    /// For groups that are timed on other threads than all else is done on.
+    pools: &'r BTreeMap<usize, ThreadPool>,
+    calibrator: &'r Calibrator,
 }
 
 impl<'r> Running<'r> {
@@ -120,7 +143,7 @@ impl<'r> Running<'r> {
             self.forecast = Forecast::new(self.store, &self.environment, options.repeats);
             let references: Vec<_> = todo.to_make(&self.references).collect();
             let references = references.iter().map(|(_, work)| work);
-            let expected = self.forecast.sum(todo.cells.iter().copied(), references).seconds;
+            let expected = self.forecast.sum(todo.work(), references).seconds;
             let over = started.elapsed().as_secs_f64() + expected > budget.as_secs_f64();
             if over && todo.is_work() {
                 self.summary.cached += todo.cached;
@@ -143,6 +166,7 @@ impl<'r> Running<'r> {
         let cache = Cache::in_folder(&self.options.cache.join("derived"));
         let elsewhere = self.cells(todo, &todo.cells, &cache, false)?;
         self.cells(todo, &elsewhere, &cache, true)?;
+        self.times(todo, &cache)?;
         let (references, quality) = (self.references.clone(), &self.options.quality);
         let with = With { references: &references, quality, seed: self.plan.seed, cache: &cache };
         let mut elsewhere = Vec::new();
@@ -165,6 +189,11 @@ impl<'r> Running<'r> {
         if self.store.outcome(&cell.key()) == Some(&record) { Ok(()) } else { self.append(record) }
     }
 
+    fn task<'a>(&self, todo: &Todo<'a>, group: &'a Group, cache: &'a Cache) -> Task<'a> {
+        let Group { method, ref params, quantity, backend, .. } = *group;
+        Task { scene: todo.scene, method, params, quantity, backend, seed: self.plan.seed, cache }
+    }
+
     /// Runs cells, and returns those that another process runs unless `waiting` for it.
     fn cells<'p>(
         &mut self,
@@ -176,16 +205,7 @@ impl<'r> Running<'r> {
         let mut elsewhere = Vec::new();
         for prepared in cells.chunk_by(|(a, _), (b, _)| a.preparation() == b.preparation()) {
             let Some((group, _)) = prepared.first() else { continue };
-            let mut runner = Runner::new(Task {
-                scene: todo.scene,
-                method: group.method,
-                params: &group.params,
-                quantity: group.quantity,
-                backend: group.backend,
-                seed: self.plan.seed,
-                repeats: self.options.repeats,
-                cache,
-            });
+            let mut runner = Runner::new(self.task(todo, group, cache));
             elsewhere.extend(self.prepared(todo, prepared, &mut runner, waiting)?);
         }
         Ok(elsewhere)
@@ -207,9 +227,11 @@ impl<'r> Running<'r> {
                 elsewhere.push((group, cell));
                 continue;
             };
-            self.left.cells.retain(|(_, left)| !std::ptr::eq(*left, cell));
+            if cell.timed_on.is_none() {
+                self.left.done(cell);
+            }
             self.store.refresh()?;
-            if group.state(cell, self.store) == State::Cached {
+            if group.state(cell, self.store) != State::Run {
                 self.summary.cached += 1;
                 self.progress.pass();
                 continue;
@@ -253,12 +275,14 @@ impl<'r> Running<'r> {
                 Support::Approximate(why) => Some(why.clone()),
                 _ => None,
             },
-            phases: shaded.recorded.phases,
             shared: shaded.shared,
             derived: shaded.recorded.derived,
             counters: shaded.recorded.counters,
             footprint: shaded.footprint,
-            environment: self.environment.clone(),
+            environment: Environment {
+                threads: group.threads.unwrap_or(self.environment.threads),
+                ..self.environment.clone()
+            },
         };
         self.append(Record::Run(Box::new(run)))?;
         self.summary.ran += 1;

@@ -52,10 +52,11 @@ pub struct Entry {
 }
 
 /// The suites that come with the program.
-pub(crate) const SHIPPED: [(&str, &str); 4] = [
+pub(crate) const SHIPPED: [(&str, &str); 5] = [
     ("quick", include_str!("../suites/quick.toml")),
     ("full", include_str!("../suites/full.toml")),
     ("paper/shexp", include_str!("../suites/paper/shexp.toml")),
+    ("scaling", include_str!("../suites/scaling.toml")),
     ("gate", include_str!("../suites/gate.toml")),
 ];
 
@@ -99,7 +100,8 @@ impl Suite {
 
 /// Whether a scene is named by the path of its file: shipped names have neither a separator nor an extension.
 fn is_path(scene: &str) -> bool {
-    scene.contains(std::path::is_separator) || scene.ends_with(".toml")
+    let whole = scene.split_once('@').map_or(scene, |(whole, _)| whole);
+    scene.contains(std::path::is_separator) || whole.ends_with(".toml")
 }
 
 /// TOML's own messages span several lines; what remains here is one with its place.

@@ -8,12 +8,17 @@ use halflight_results::{Cell, Key, Store};
 use halflight_scenes::{Frame, Scene};
 use std::collections::HashMap;
 
+/// A cell with its group.
+pub(crate) type Planned<'p> = (&'p Group, &'p Cell);
+
 /// What is to be done about one scene.
 pub(crate) struct Todo<'p> {
     pub(crate) scene: &'p Scene,
     pub(crate) frames: &'p [Frame],
     /// Cells to run, those of a group in a row.
-    pub(crate) cells: Vec<(&'p Group, &'p Cell)>,
+    pub(crate) cells: Vec<Planned<'p>>,
+    /// Cells whose times are to be taken, those of a group in a row.
+    pub(crate) untimed: Vec<Planned<'p>>,
     /// Cells that are skipped, with the reason.
     pub(crate) skipped: Vec<(&'p Cell, String)>,
     pub(crate) cached: usize,
@@ -36,12 +41,16 @@ impl<'p> Todo<'p> {
         quality: &Quality,
     ) -> Self {
         let Stage { scene, frames } = &plan.scenes[index];
-        let (cells, skipped, judgements) = (Vec::new(), Vec::new(), Vec::new());
-        let mut todo = Self { scene, frames, cells, skipped, cached: 0, judgements };
+        let (cells, untimed, skipped, judgements) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut todo = Self { scene, frames, cells, untimed, skipped, cached: 0, judgements };
         for (group, cell) in groups.flat_map(|group| group.cells.iter().map(move |cell| (group, cell))) {
-            match group.state(cell, store) {
+            let state = group.state(cell, store);
+            if matches!(state, State::Run | State::Time) && cell.timed_on.is_some() {
+                todo.untimed.push((group, cell));
+            }
+            match state {
                 State::Run => todo.cells.push((group, cell)),
-                State::Cached => todo.cached += 1,
+                State::Time | State::Cached => todo.cached += 1,
                 State::Skip(why) => {
                     todo.skipped.push((cell, why));
                     continue;
@@ -53,16 +62,22 @@ impl<'p> Todo<'p> {
     }
 
     pub(crate) fn is_work(&self) -> bool {
-        !self.cells.is_empty() || !self.judgements.is_empty()
+        !self.cells.is_empty() || !self.untimed.is_empty() || !self.judgements.is_empty()
+    }
+
+    /// Every cell that is to be run or timed, once.
+    pub(crate) fn work(&self) -> impl Iterator<Item = Planned<'p>> + '_ {
+        let not_timed = self.cells.iter().filter(|(_, cell)| cell.timed_on.is_none());
+        not_timed.chain(&self.untimed).copied()
     }
 
     /// The references among those that are lacking that are not in the cache, by their keys.
     pub(crate) fn to_make(&self, references: &ReferenceStore) -> impl Iterator<Item = (Key, ReferenceWork)> {
         let missing = self.judgements.iter().filter(|j| !references.path(j.key.as_str()).exists());
-        missing.map(|judgement| (judgement.key.clone(), self.work(judgement)))
+        missing.map(|judgement| (judgement.key.clone(), self.to_be_made(judgement)))
     }
 
-    fn work(&self, judgement: &Judgement) -> ReferenceWork {
+    fn to_be_made(&self, judgement: &Judgement) -> ReferenceWork {
         ReferenceWork {
             scene_hash: self.scene.content.to_string(),
             reference: judgement.reference.id(),
@@ -101,7 +116,7 @@ impl<'p> Todo<'p> {
 
 /// What is still to be done about a plan.
 pub(crate) struct Left<'p> {
-    pub(crate) cells: Vec<(&'p Group, &'p Cell)>,
+    pub(crate) cells: Vec<Planned<'p>>,
     /// References that are not in the cache.
     pub(crate) references: HashMap<Key, ReferenceWork>,
 }
@@ -113,9 +128,13 @@ impl<'p> Left<'p> {
 
     pub(crate) fn of(scenes: &[Todo<'p>], references: &ReferenceStore) -> Self {
         Self {
-            cells: scenes.iter().flat_map(|todo| &todo.cells).copied().collect(),
+            cells: scenes.iter().flat_map(Todo::work).collect(),
             references: scenes.iter().flat_map(|todo| todo.to_make(references)).collect(),
         }
+    }
+
+    pub(crate) fn done(&mut self, cell: &Cell) {
+        self.cells.retain(|(_, left)| !std::ptr::eq(*left, cell));
     }
 
     pub(crate) fn expected(&self, forecast: &Forecast) -> Expected {

@@ -223,7 +223,7 @@ fn stand(mut entries: Vec<Entry>) -> Vec<Entry> {
 mod tests {
     use super::*;
     use crate::Scene;
-    use halflight_results::{Cell, Key, Phase, Run, Score, Storage, Timing};
+    use halflight_results::{Calibration, Cell, Key, Phase, Run, Score, Storage, Times, Timing};
 
     /// A row of a setting with this shade time, memory and error; the reference's noise is 0.01.
     fn row(label: usize, time: f64, bytes: u64, rmse: f64) -> Row {
@@ -242,8 +242,15 @@ mod tests {
             resolved: rmse > 0.02,
             measures: [("rmse".into(), rmse), ("rmse_standard_error".into(), 0.001)].into(),
         };
-        let run = Run { cell, phases: [("shade".into(), timing)].into(), footprint, ..Run::default() };
-        Row { label, run, picture: None, scores: vec![score] }
+        let times = Times {
+            run: cell.key(),
+            taken: 0,
+            beside: 1,
+            phases: [("shade".into(), timing)].into(),
+            calibration: Calibration::default(),
+        };
+        let run = Run { cell, footprint, ..Run::default() };
+        Row { label, run, picture: None, times: Some(times), scores: vec![score] }
     }
 
     fn report(scenes: Vec<Vec<Row>>) -> Report {
@@ -260,6 +267,8 @@ mod tests {
             methods: vec!["m".into(); settings],
             scenes: scenes.into_iter().enumerate().map(scene).collect(),
             cross_checks: Vec::new(),
+            scalings: Vec::new(),
+            benchmarks: Vec::new(),
             skips: Vec::new(),
             failures: Vec::new(),
             warnings: Vec::new(),

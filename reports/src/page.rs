@@ -3,7 +3,7 @@
 use crate::chip::chip;
 use crate::format::escape;
 use crate::summary::matrix;
-use crate::{Absent, Report, ReportError, crosschecks, figures, pareto, tables};
+use crate::{Absent, Report, ReportError, criterion, crosschecks, figures, pareto, scaling, tables};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
@@ -24,7 +24,9 @@ pub(crate) fn html(report: &Report) -> Result<String, ReportError> {
         summary(report),
         pareto::over_scenes(report)?,
         sections,
+        scaling::section(report)?,
         crosschecks::section(&report.cross_checks)?,
+        criterion::section(&report.benchmarks),
         absent(report),
         "<h2>Settings in full</h2>".to_owned(),
         tables::settings(report),

@@ -177,14 +177,14 @@ fn stairs(points: &[&Point], unit: f64, x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
 }
 
 /// The ends of a logarithmic axis.
-struct Axis {
+pub(crate) struct Axis {
     low: f64,
     high: f64,
 }
 
 impl Axis {
     /// All values with room around them, and at least a factor of 6 from end to end so that ticks fall inside.
-    fn around(values: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn around(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values.fold((f64::INFINITY, 0f64), |(l, h), v| (l.min(v), h.max(v)));
         let room = (6.0 * low / high).sqrt().max(1.35);
         Self { low: low / room, high: high * room }
@@ -202,13 +202,13 @@ impl Axis {
         all.filter(|t| (self.low..=self.high).contains(t)).collect()
     }
 
-    fn coordinate(&self) -> WithKeyPoints<LogCoord<f64>> {
+    pub(crate) fn coordinate(&self) -> WithKeyPoints<LogCoord<f64>> {
         (self.low..self.high).log_scale().with_key_points(self.ticks())
     }
 }
 
 /// A tick's label: `0.02`, `1.5`, `50`, or `5e−6`.
-fn tick(value: f64) -> String {
+pub(crate) fn tick(value: f64) -> String {
     if (0.000_9..=100_000.0).contains(&value) {
         format!("{}", (value * 1e6).round() / 1e6)
     } else {

@@ -22,6 +22,7 @@ mod object;
 mod placement;
 mod random;
 mod receivers;
+mod resolution;
 mod scene;
 mod shipped;
 

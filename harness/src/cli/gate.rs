@@ -69,21 +69,37 @@ impl Gate {
         let expected = Baselines::read(&path)?;
         let expected = expected.ok_or_else(|| anyhow::anyhow!("{}: no baselines; {bless}", path.display()))?;
         let comparison = compare(&expected, &observed, partial);
-        comparison.findings.iter().for_each(|finding| say(&told(finding, &observed, self.strict)));
+        let plan = format!("halflight plan{}", self.judged.pick.words());
+        comparison.findings.iter().for_each(|finding| say(&told(finding, &observed, &plan, self.strict)));
         let passes = comparison.passes(self.strict);
         say(&summary(&comparison, &observed, passes));
         Ok(if passes { Ending::Well } else { Ending::Differs })
     }
 }
 
-/// One line: what differs, and how to see it again.
-fn told(finding: &Finding, observed: &Observed, strict: bool) -> String {
+/// One line: what differs, and how to see it again; where that is nothing that was planned, `plan` says what is.
+fn told(finding: &Finding, observed: &Observed, plan: &str, strict: bool) -> String {
     let kind = match finding.verdict {
         Verdict::Improves if !strict => "better",
         _ => "FAILS",
     };
-    let again = observed.commands.get(&finding.subject).map(|command| format!(" [{command}]")).unwrap_or_default();
-    format!("{kind}: {}: {}{again}", finding.subject, finding.told)
+    let known = observed.commands.get(&finding.subject).cloned();
+    let again = known.or_else(|| by_name(&finding.subject)).unwrap_or_else(|| plan.to_owned());
+    format!("{kind}: {}: {} [{again}]", finding.subject, finding.told)
+}
+
+/// The command that makes what only the baselines know: `scene · method name=value … · quantity` or a reference's.
+fn by_name(subject: &str) -> Option<String> {
+    let [scene, what, quantity, ..] = subject.split(" · ").collect::<Vec<_>>()[..] else { return None };
+    let quantity = if quantity == "direct" { String::new() } else { format!(" --quantity {quantity}") };
+    let mut words = what.split(' ');
+    Some(match words.next().filter(|id| id.contains('/')) {
+        Some(method) => {
+            let set: String = words.map(|set| format!(" --set {set}")).collect();
+            format!("halflight run --scene {scene}{quantity} --method {method}{set}")
+        }
+        None => format!("halflight refs build --scene {scene}{quantity} --reference {what}"),
+    })
 }
 
 fn summary(comparison: &Comparison, observed: &Observed, passes: bool) -> String {

@@ -16,23 +16,29 @@ mod probe;
 mod refs;
 mod report;
 mod run;
+mod scaling;
 mod score;
 mod table;
+mod threads;
 
+use crate::plan::{Plan as Work, Terms};
 use crate::select::Selection;
 use crate::settings::Setting;
 use clap::{Args, Parser, Subcommand};
 use halflight_references::Quality;
+use halflight_results::Environment;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use threads::Threads;
 
 /// The laboratory bench for low-frequency light: soft-shadow methods on shared scenes, held against ray-traced references.
 #[derive(Parser)]
 #[command(name = "halflight", version)]
 struct Cli {
-    /// Threads for all work; all cores if not given. Results do not depend on it.
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    /// Threads for all work; all cores if not given. Results do not depend on it, but times do: `run` takes several numbers,
+    /// such as 1,all, and times every cell on each
+    #[arg(long, global = true, value_name = "N", value_delimiter = ',')]
+    threads: Vec<Threads>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -41,6 +47,8 @@ struct Cli {
 enum Command {
     /// Run what is not in the results yet, score it, and write the report (the default: the `quick` suite)
     Run(run::Run),
+    /// Time cells that differ in one number (the default: the `scaling` suite) and fit power laws to their times
+    Scaling(scaling::Scaling),
     /// Print every cell and what would be done about it, without doing it
     Plan(plan::Plan),
     /// Make the report again from a results directory
@@ -101,6 +109,34 @@ struct Pick {
 }
 
 impl Pick {
+    /// These arguments again, as on the command line.
+    fn words(&self) -> String {
+        let all = |name: &str, values: &[String]| values.iter().map(|v| format!(" --{name} {v}")).collect::<String>();
+        let suite = self.suite.as_slice();
+        let lists = [("suite", suite), ("scene", &self.scene), ("method", &self.method), ("quantity", &self.quantity)];
+        let lists = lists.iter().map(|(name, values)| all(name, values)).collect::<String>();
+        lists
+            + &all("set", &self.set.iter().map(ToString::to_string).collect::<Vec<_>>())
+            + &all("reference", &self.reference)
+    }
+
+    /// What is asked for, this suite if nothing is, to be timed on each of these numbers of threads; on those of all work if
+    /// there is none.
+    ///
+    /// # Errors
+    /// As [`Work::new`].
+    fn plan(&self, suite: &str, threads: &[usize]) -> Result<Work, crate::Error> {
+        let environment = crate::environment();
+        let terms = Terms { seed: self.seed, timed_on: environment.class() };
+        let mut selection = self.selection();
+        if selection.names_nothing() {
+            selection.suite = Some(suite.to_owned());
+        }
+        let plan = Work::new(&selection.entries()?, &terms)?;
+        let class = |threads| Environment { threads, ..environment.clone() }.class();
+        Ok(if threads.is_empty() { plan } else { plan.on_threads(threads, class) })
+    }
+
     fn selection(&self) -> Selection {
         Selection {
             suite: self.suite.clone(),
@@ -189,13 +225,13 @@ fn one_line(error: &anyhow::Error) -> String {
 }
 
 fn act(cli: Cli) -> anyhow::Result<Ending> {
-    if let Some(threads) = cli.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;
-    }
+    let may_be_several = matches!(cli.command, None | Some(Command::Run(_) | Command::Plan(_) | Command::Scaling(_)));
+    let threads = threads::settle(&cli.threads, may_be_several)?;
     match cli.command {
-        None => run::Run::plain()?.act(),
-        Some(Command::Run(run)) => run.act(),
-        Some(Command::Plan(plan)) => plan.act(),
+        None => run::Run::plain()?.act(&threads),
+        Some(Command::Run(run)) => run.act(&threads),
+        Some(Command::Scaling(scaling)) => scaling.act(&threads),
+        Some(Command::Plan(plan)) => plan.act(&threads),
         Some(Command::Report(report)) => report.act(),
         Some(Command::Pareto(pareto)) => pareto.act(),
         Some(Command::Score(score)) => score.act(),

@@ -2,9 +2,9 @@
 
 use super::{CacheDir, Ending, HowGood, Out, Pick, say};
 use crate::forecast::{Expected, Forecast, duration};
-use crate::plan::{Plan as Work, State, Terms};
+use crate::plan::{Plan as Work, State};
 use crate::todo::Todo;
-use crate::{Options, priority, refs};
+use crate::{DEFAULT_SUITE, Options, priority, refs};
 use clap::Args;
 use halflight_contract::Support;
 use halflight_references::{Quality, ReferenceStore};
@@ -25,16 +25,17 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub(super) fn act(&self) -> anyhow::Result<Ending> {
+    pub(super) fn act(&self, threads: &[usize]) -> anyhow::Result<Ending> {
+        let plan = self.pick.plan(DEFAULT_SUITE, threads)?;
         let references = refs::store(&self.cache.path()?);
-        tell(&self.pick, &self.out, &references, &self.how_good.quality()?, Options::REPEATS, None)
+        tell(&plan, &self.out, &references, &self.how_good.quality()?, Options::REPEATS, None)
     }
 }
 
 /// Prints every cell with what would be done about it and how long that may take; with a budget in the order in which it is
 /// spent.
 pub(super) fn tell(
-    pick: &Pick,
+    plan: &Work,
     out: &Out,
     references: &ReferenceStore,
     quality: &Quality,
@@ -42,34 +43,33 @@ pub(super) fn tell(
     budget: Option<Duration>,
 ) -> anyhow::Result<Ending> {
     let environment = crate::environment::environment();
-    let terms = Terms { seed: pick.seed, timed_on: environment.class() };
-    let plan = Work::new(&pick.selection().entries()?, &terms)?;
     let store = Store::open(&out.out)?;
     let forecast = Forecast::new(&store, &environment, repeats);
-    let groups = if budget.is_some() { priority::order(&plan, &store) } else { plan.groups.iter().collect() };
+    let groups = if budget.is_some() { priority::order(plan, &store) } else { plan.groups.iter().collect() };
     let (mut counts, mut taken, mut made) = ([0; 4], Vec::new(), HashMap::new());
     let mut expected = Expected::default();
     for group in groups {
-        let todo = Todo::new(&plan, group.scene, std::iter::once(group), &store, quality);
+        let todo = Todo::new(plan, group.scene, std::iter::once(group), &store, quality);
         let more: Vec<_> = todo.to_make(references).filter(|(key, _)| !made.contains_key(key)).collect();
         // Under a budget every group is prepared by itself.
-        let alone = forecast.sum(todo.cells.iter().copied(), more.iter().map(|(_, work)| work));
+        let alone = forecast.sum(todo.work(), more.iter().map(|(_, work)| work));
         let over = budget.is_some_and(|budget| expected.seconds + alone.seconds > budget.as_secs_f64());
         if !over {
             expected = expected + alone;
-            taken.extend(todo.cells);
+            taken.extend(todo.work());
             made.extend(more);
         }
         for cell in &group.cells {
             let frame = if group.cells.len() > 1 { format!(" frame {}", cell.frame) } else { String::new() };
             let (kind, what) = match group.state(cell, &store) {
-                State::Run if over => (3, "left out, over the budget".to_owned()),
+                State::Run | State::Time if over => (3, "left out, over the budget".to_owned()),
                 State::Run => (0, run(group, forecast.seconds(cell))),
+                State::Time => (0, "time: the picture is in the store".to_owned()),
                 State::Cached => (1, "cached: the result is in the store".to_owned()),
                 State::Skip(why) => (2, format!("skip: {why}")),
             };
             counts[kind] += 1;
-            say(&format!("{} · {} · {}{frame}: {what}", group.label(&plan), group.backend, group.quantity));
+            say(&format!("{} · {} · {}{frame}: {what}", group.label(plan), group.backend, group.quantity));
         }
     }
     if budget.is_none() {

@@ -32,6 +32,10 @@ fn retuned_cells_equal_fresh_ones_and_name_who_prepared() {
     let (swept, fresh) = (bench.lines("swept"), bench.lines("fresh"));
     let (swept, fresh) = (of_kind(&swept, "run"), of_kind(&fresh, "run"));
     assert_eq!((swept.len(), fresh.len()), (2 * 12 * 3, 2 * 12 * 3));
+    // A setting that were not taken would show: each differs from the one before it.
+    for pair in swept.windows(2).filter(|pair| pair[1]["shared"]["prepare"].is_string() && pair[1]["frame"] == 0) {
+        assert!(pair[0]["frame"] == 1 || pair[0]["image"] != pair[1]["image"], "{}", label(pair[1]));
+    }
     let mut sharing = 0;
     for run in &swept {
         let same = fresh.iter().find(|other| other["key"] == run["key"]).unwrap();
@@ -43,13 +47,9 @@ fn retuned_cells_equal_fresh_ones_and_name_who_prepared() {
         assert_eq!(names(run, "derived"), names(same, "derived"));
         let shared = run["shared"].as_object();
         for phase in ["prepare", "update"] {
-            let timed = names(run, "phases").contains(&phase.to_owned());
-            let bearer = shared.and_then(|shared| shared.get(phase));
-            assert_eq!(timed, bearer.is_none(), "{phase} of {}", label(run));
-            let Some(bearer) = bearer else { continue };
+            let Some(bearer) = shared.and_then(|shared| shared.get(phase)) else { continue };
             sharing += usize::from(phase == "prepare");
             let bearer = swept.iter().find(|other| other["key"] == *bearer).unwrap();
-            assert_eq!(bearer["phases"][phase]["nanoseconds"].as_array().unwrap().len(), 1);
             for field in ["scene_hash", "method"] {
                 assert_eq!(bearer[field], run[field]);
             }
@@ -58,8 +58,6 @@ fn retuned_cells_equal_fresh_ones_and_name_who_prepared() {
     }
     // One in a scene, method and order is prepared.
     assert_eq!(sharing, swept.len() - 2 * 2 * 2);
-    let retuned = swept.iter().filter(|run| run["phases"]["retune"].is_object()).count();
-    assert_eq!(retuned, 2 * 2 * 2 * 5, "once a setting, with its first frame");
     assert!(fresh.iter().all(|run| run["frame"] == 1 || run["shared"].is_null()));
 }
 

@@ -36,4 +36,4 @@ pub use fingerprint::{Block, COLUMNS, Fingerprint, ROWS, fingerprint};
 pub use pareto::{Measured, Standing, geometric_mean, standings};
 pub use picture::{CompareError, Layout, Picture};
 pub use scores::{Scores, VERSION, compare};
-pub use statistics::{Interval, median, median_interval, percentile};
+pub use statistics::{Interval, confidence, median, median_interval, outliers, percentile};

@@ -9,4 +9,5 @@ mod lights;
 mod mutations;
 mod readme;
 mod receivers;
+mod resolution;
 mod shipped;
