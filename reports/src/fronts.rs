@@ -242,10 +242,15 @@ mod tests {
             resolved: rmse > 0.02,
             measures: [("rmse".into(), rmse), ("rmse_standard_error".into(), 0.001)].into(),
         };
-        let (phases, calibration) = ([("shade".into(), timing)].into(), Calibration::default());
-        let times = Some(Times { run: cell.key(), taken: 0, beside: 1, phases, calibration });
+        let times = Times {
+            run: cell.key(),
+            taken: 0,
+            beside: 1,
+            phases: [("shade".into(), timing)].into(),
+            calibration: Calibration::default(),
+        };
         let run = Run { cell, footprint, ..Run::default() };
-        Row { label, run, picture: None, times, scores: vec![score] }
+        Row { label, run, picture: None, times: Some(times), scores: vec![score] }
     }
 
     fn report(scenes: Vec<Vec<Row>>) -> Report {
@@ -256,10 +261,17 @@ mod tests {
             rows,
         };
         Report {
+            title: String::new(),
+            environments: Vec::new(),
             labels: (0..settings).map(|i| format!("setting {i}")).collect(),
             methods: vec!["m".into(); settings],
             scenes: scenes.into_iter().enumerate().map(scene).collect(),
-            ..Report::empty("")
+            cross_checks: Vec::new(),
+            scalings: Vec::new(),
+            benchmarks: Vec::new(),
+            skips: Vec::new(),
+            failures: Vec::new(),
+            warnings: Vec::new(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! The command line. Exit codes: 0 all is well, 1 cells failed, pictures differ or references are not as they should be, 2 the request cannot be carried out.
 
+mod accuracy;
 mod bless;
 mod budget;
 mod count;
@@ -79,6 +80,8 @@ enum Command {
     Export(export::Export),
     /// Hold the truth against what another renderer found in an exported scene
     Crosscheck(crosscheck::Check),
+    /// Measure how accurate an algebra is, and hold it against what is stated of it
+    Accuracy(accuracy::Accuracy),
     /// List what there is
     List(list::List),
     /// Show the machine, the build and the folders, and verify the shipped scenes
@@ -249,6 +252,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
         Some(Command::Crosscheck(check)) => check.act(),
+        Some(Command::Accuracy(accuracy)) => accuracy.act(),
         Some(Command::List(list)) => list.act(),
         Some(Command::Doctor(doctor)) => doctor.act(),
     }
