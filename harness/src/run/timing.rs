@@ -39,14 +39,12 @@ pub(crate) fn bunches<'b, 'p>(cells: &'b [Planned<'p>], bytes: impl Fn(&Cell) ->
 
 /// Pools of threads by their number, for all groups that ask for one.
 pub(crate) fn pools(plan: &Plan) -> Result<BTreeMap<usize, ThreadPool>, Error> {
-    let mut pools = BTreeMap::new();
-    for threads in plan.groups.iter().filter_map(|group| group.threads) {
-        if !pools.contains_key(&threads) {
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-            pools.insert(threads, pool.map_err(|error| Error::Other(format!("{threads} threads: {error}")))?);
-        }
-    }
-    Ok(pools)
+    let counts: BTreeSet<usize> = plan.groups.iter().filter_map(|group| group.threads).collect();
+    let pool = |threads| match ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => Ok((threads, pool)),
+        Err(error) => Err(Error::Other(format!("{threads} threads: {error}"))),
+    };
+    counts.into_iter().map(pool).collect()
 }
 
 impl Running<'_> {
