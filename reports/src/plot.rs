@@ -203,7 +203,12 @@ impl Axis {
     }
 
     pub(crate) fn coordinate(&self) -> WithKeyPoints<LogCoord<f64>> {
-        (self.low..self.high).log_scale().with_key_points(self.ticks())
+        self.coordinate_at(self.ticks())
+    }
+
+    /// With ticks at these values, in rising order.
+    pub(crate) fn coordinate_at(&self, values: Vec<f64>) -> WithKeyPoints<LogCoord<f64>> {
+        (self.low..self.high).log_scale().with_key_points(values)
     }
 }
 

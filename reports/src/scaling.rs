@@ -100,7 +100,7 @@ fn figure(report: &Report, series: &[Scaling]) -> Result<String, ReportError> {
     }
     let (scene, over) = (escape(&series[0].scene), escape(&series[0].over));
     Ok(format!(
-        "<h4>{scene}: shade time against {over}</h4><figure class=\"plot\"><div class=\"plotted\">{svg}</div></figure>\
+        "<h4 class=\"series\">{scene}: shade time against {over}</h4><figure class=\"plot\"><div class=\"plotted\">{svg}</div></figure>\
          <div class=\"wide\"><table><thead><tr><th>setting</th><th>points</th><th>exponent</th><th>R²</th>\
          <th>lack of fit, p</th><th>slope, first to last</th></tr></thead><tbody>{rows}</tbody></table></div>"
     ))
@@ -113,8 +113,12 @@ fn probability(p: f64) -> String {
 /// Log–log: the number across, time upwards; points with their intervals, laws as lines.
 fn draw(svg: &mut String, series: &[Scaling], colours: &[[u8; 3]]) -> Result<(), Box<dyn std::error::Error>> {
     let times = || series.iter().flat_map(|one| one.points.iter().map(|(_, time)| *time));
-    let (unit, unit_name) = time_unit(times().map(|time| time.median).fold(f64::INFINITY, f64::min));
+    let middle = times().map(|time| time.median.ln()).sum::<f64>() / times().count().max(1) as f64;
+    let (unit, unit_name) = time_unit(middle.exp());
     let x = Axis::around(series.iter().flat_map(|one| one.points.iter().map(|(x, _)| *x)));
+    let mut numbers: Vec<f64> = series.iter().flat_map(|one| one.points.iter().map(|(x, _)| *x)).collect();
+    numbers.sort_by(f64::total_cmp);
+    numbers.dedup();
     let y = Axis::around(times().flat_map(|time| [time.low / unit, time.high / unit]));
     let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
     let mut chart = ChartBuilder::on(&root)
@@ -122,7 +126,7 @@ fn draw(svg: &mut String, series: &[Scaling], colours: &[[u8; 3]]) -> Result<(),
         .margin_right(28)
         .x_label_area_size(52)
         .y_label_area_size(84)
-        .build_cartesian_2d(x.coordinate(), y.coordinate())?;
+        .build_cartesian_2d(x.coordinate_at(numbers), y.coordinate())?;
     chart
         .configure_mesh()
         .x_desc(series.first().map_or("", |one| one.over.as_str()))

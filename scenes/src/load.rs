@@ -1,9 +1,12 @@
 //! From a scene file to a scene.
 
+mod animated;
+mod body;
 mod heights;
 mod lights;
 mod objects;
 mod receivers;
+mod solids;
 
 use std::path::Path;
 

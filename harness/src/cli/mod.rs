@@ -1,7 +1,9 @@
 //! The command line. Exit codes: 0 all is well, 1 cells failed, pictures differ or references are not as they should be, 2 the request cannot be carried out.
 
+mod accuracy;
 mod bless;
 mod budget;
+mod count;
 mod crosscheck;
 mod diff;
 mod doctor;
@@ -67,6 +69,9 @@ enum Command {
     Refs(refs::Refs),
     /// Run what is not in the results yet (the default: the `gate` suite) and hold all of it against the baselines
     Gate(gate::Gate),
+    /// Shade a small frame, for valgrind to count its instructions
+    #[command(hide = true)]
+    Count(count::Count),
     /// Make what was measured the baselines, and say what changes
     Bless(bless::Bless),
     /// Compare two EXR pictures, or the pictures of two results directories
@@ -75,6 +80,8 @@ enum Command {
     Export(export::Export),
     /// Hold the truth against what another renderer found in an exported scene
     Crosscheck(crosscheck::Check),
+    /// Measure how accurate an algebra is, and hold it against what is stated of it
+    Accuracy(accuracy::Accuracy),
     /// List what there is
     List(list::List),
     /// Show the machine, the build and the folders, and verify the shipped scenes
@@ -240,10 +247,12 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Budget(budget)) => budget.act(),
         Some(Command::Refs(refs)) => refs.act(),
         Some(Command::Gate(gate)) => gate.act(),
+        Some(Command::Count(count)) => count.act(),
         Some(Command::Bless(bless)) => bless.act(),
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
         Some(Command::Crosscheck(check)) => check.act(),
+        Some(Command::Accuracy(accuracy)) => accuracy.act(),
         Some(Command::List(list)) => list.act(),
         Some(Command::Doctor(doctor)) => doctor.act(),
     }

@@ -2,7 +2,7 @@
 
 use super::baselines::{coarse, rounded};
 use super::pace::{Paces, Ratio};
-use super::{Baselines, CellBaseline, PACE, ReferenceBaseline, ScoreBaseline};
+use super::{Baselines, CellBaseline, Instructions, PACE, ReferenceBaseline, ScoreBaseline};
 use crate::plan::{Group, Plan, Stage, State};
 use crate::score::view;
 use crate::suite::Entry;
@@ -27,6 +27,16 @@ pub struct Observed {
     pub skipped: BTreeMap<String, String>,
     /// Commands that make a cell or a reference again.
     pub commands: BTreeMap<String, String>,
+}
+
+impl Observed {
+    /// Takes in instructions that were counted.
+    pub fn counted(&mut self, instructions: Instructions) {
+        for method in instructions.counts.keys() {
+            self.commands.insert(format!("instructions of {method}"), Instructions::command(method));
+        }
+        self.measured.instructions = instructions;
+    }
 }
 
 /// Measures what the store holds of a plan that these entries ask for, with references of this quality.

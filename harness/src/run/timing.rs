@@ -8,8 +8,7 @@ use crate::todo::{Planned, Todo};
 use halflight_contract::Cache;
 use halflight_results::{Cell, Failure, Record, StoreError, Times};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::collections::BTreeSet;
-use std::collections::btree_map::{BTreeMap, Entry};
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::SystemTime;
 
 /// Most methods that are held ready at once.
@@ -38,14 +37,12 @@ pub(crate) fn bunches<'b, 'p>(cells: &'b [Planned<'p>], bytes: impl Fn(&Cell) ->
 
 /// Pools of threads by their number, for all groups that ask for one.
 pub(crate) fn pools(plan: &Plan) -> Result<BTreeMap<usize, ThreadPool>, Error> {
-    let mut pools = BTreeMap::new();
-    for threads in plan.groups.iter().filter_map(|group| group.threads) {
-        if let Entry::Vacant(place) = pools.entry(threads) {
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-            place.insert(pool.map_err(|error| Error::Other(format!("{threads} threads: {error}")))?);
-        }
-    }
-    Ok(pools)
+    let counts: BTreeSet<usize> = plan.groups.iter().filter_map(|group| group.threads).collect();
+    let pool = |threads| match ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => Ok((threads, pool)),
+        Err(error) => Err(Error::Other(format!("{threads} threads: {error}"))),
+    };
+    counts.into_iter().map(pool).collect()
 }
 
 impl Running<'_> {

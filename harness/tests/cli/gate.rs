@@ -204,3 +204,13 @@ fn every_kind_of_failure_comes_with_a_command_that_works() {
         bench.well(&format!("{command}{samples}"));
     }
 }
+
+#[test]
+fn instructions_are_skipped_without_valgrind() {
+    let bench = blessed();
+    let command =
+        || bench.command(&format!("{GATE} --instructions")).env("PATH", bench.path("nowhere")).output().unwrap();
+    let told = String::from_utf8(command().stdout).unwrap();
+    assert!(told.contains("instructions are not counted: there is no valgrind"), "{told}");
+    assert!(told.contains("gate passed"), "{told}");
+}

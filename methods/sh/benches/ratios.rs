@@ -1,5 +1,5 @@
 //! Prints times of products and of other operations in interleaved runs, with their ratios to well-compiled scalar code and
-//! to the published crate `sphrs`: `cargo bench -p halflight-sh --bench ratios`.
+//! to the published crate `sphrs`: `cargo bench -p halflight-sh --bench ratios`, with orders after `--` for these alone.
 //!
 //! Each round times every kernel once; a ratio is the median over rounds of the ratio within a round, with its quartiles.
 
@@ -10,8 +10,8 @@ use std::time::Instant;
 
 use baseline::plain_product;
 use halflight_sh::{
-    Batch, BatchExp, Block, ExpWorkspace, LANES, Real, Simd, SquaringRule, Work, circle_log, coefficients, evaluate,
-    gamma, rotate_zonal,
+    Batch, BatchExp, Block, ExpWorkspace, LANES, Real, Rotation, Simd, SquaringRule, Work, circle_log, coefficients,
+    evaluate, gamma, rotate_zonal,
 };
 use sphrs::{Coordinates, HarmonicsSet, RealSH};
 
@@ -20,6 +20,10 @@ const ROUNDS: usize = 41;
 const BLOCKS: usize = 3;
 /// Products that one timing takes.
 const PRODUCTS: usize = 16 * BLOCKS * LANES;
+
+/// A rotation by about 60°.
+const TURN: [[f64; 3]; 3] =
+    [[2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0], [2.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0], [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]];
 
 struct Kernel {
     name: String,
@@ -97,11 +101,29 @@ fn other_kernels(order: usize) -> Vec<Kernel> {
         log.iter().map(|&x| 2.0 * x as f32).collect()
     };
     let (f, mut out, mut one) = (log.clone(), log.clone(), ExpWorkspace::<f32>::new(order));
+    list.push(kernel("eigen", 1, move || {
+        one.eigen(black_box(&f), &mut out);
+    }));
+    let (f, mut out, mut one) = (log.clone(), log.clone(), ExpWorkspace::<f32>::new(order));
     list.push(kernel("HYB", 1, move || {
         one.hybrid(SquaringRule::default(), black_box(&f), &mut out);
     }));
+    list.push(kernel("a rotation's matrix", 1, move || {
+        black_box(Rotation::new(order, black_box(TURN)));
+    }));
+    let (rotation, v, mut out) = (Rotation::new(order, TURN), log.clone(), log.clone());
+    list.push(kernel("rotation", 1, move || rotation.apply(black_box(&v), &mut out)));
     for batch in Simd::ALL.into_iter().filter_map(|simd| Batch::with_simd(order, simd)) {
         let name = format!("{:?}", batch.simd());
+        let (rotation, v, mut out) = (Rotation::new(order, TURN), blocks::<f32>(order, 0.3), blocks::<f32>(order, 0.3));
+        list.push(kernel(&format!("{name} one rotation"), BLOCKS * LANES, move || {
+            batch.rotate(&rotation, black_box(&v), &mut out);
+        }));
+        let turns = [TURN.map(|row| row.map(|entry| Block::splat(entry as f32))); BLOCKS];
+        let (v, mut out) = (blocks::<f32>(order, 0.3), blocks::<f32>(order, 0.3));
+        list.push(kernel(&format!("{name} own rotations"), BLOCKS * LANES, move || {
+            batch.rotate_each(black_box(&turns), black_box(&v), &mut out);
+        }));
         let directions = vec![direction.map(Block::splat); BLOCKS];
         let zonal = vec![Block::splat(0.7f32); BLOCKS * order];
         let (mut out, lanes) = (blocks::<f32>(order, 0.0), BLOCKS * LANES);
@@ -120,6 +142,11 @@ fn other_kernels(order: usize) -> Vec<Kernel> {
         }));
         let f: Vec<Block<f32>> = (0..BLOCKS).flat_map(|_| log.iter().map(|&x| Block::splat(x))).collect();
         let (mut out, mut exp, mut work) = (f.clone(), BatchExp::new(batch), vec![Work::default(); lanes]);
+        let g = f.clone();
+        list.push(kernel(&format!("{name} eigen"), lanes, move || {
+            exp.eigen(black_box(&g), &mut out, &mut work);
+        }));
+        let (mut out, mut exp, mut work) = (f.clone(), BatchExp::new(batch), vec![Work::default(); lanes]);
         list.push(kernel(&format!("{name} HYB"), lanes, move || {
             exp.hybrid(SquaringRule::default(), black_box(&f), &mut out, &mut work);
         }));
@@ -137,7 +164,13 @@ fn quantile(values: &[f64], q: f64) -> f64 {
 }
 
 fn main() {
-    for (order, mut list) in (2..=8).flat_map(|order| [(order, kernels(order)), (order, other_kernels(order))]) {
+    let mut orders: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    if orders.is_empty() {
+        orders = (2..=8).collect();
+    }
+    for (order, mut list) in
+        orders.into_iter().flat_map(|order| [(order, kernels(order)), (order, other_kernels(order))])
+    {
         for round in 0..=ROUNDS {
             for Kernel { run, times, .. } in &mut list {
                 let start = Instant::now();

@@ -18,8 +18,8 @@ pub fn blocks_for(order: usize, vectors: usize) -> usize {
 /// # Panics
 /// If `vectors` does not hold whole vectors, or `blocks` not as many as [`blocks_for`] tells.
 pub fn pack<T: Real>(order: usize, vectors: &[T], blocks: &mut [Block<T>]) {
-    let size = assert_shapes(order, vectors.len(), blocks.len());
-    T::pack(Simd::best(), size, vectors, blocks);
+    assert_shapes(order, vectors.len(), blocks.len());
+    T::pack(Simd::best(), order, vectors, blocks);
 }
 
 /// The inverse of [`pack`].
@@ -27,14 +27,13 @@ pub fn pack<T: Real>(order: usize, vectors: &[T], blocks: &mut [Block<T>]) {
 /// # Panics
 /// As [`pack`].
 pub fn unpack<T: Real>(order: usize, blocks: &[Block<T>], vectors: &mut [T]) {
-    let size = assert_shapes(order, vectors.len(), blocks.len());
-    T::unpack(Simd::best(), size, blocks, vectors);
+    assert_shapes(order, vectors.len(), blocks.len());
+    T::unpack(Simd::best(), order, blocks, vectors);
 }
 
-fn assert_shapes(order: usize, values: usize, blocks: usize) -> usize {
+fn assert_shapes(order: usize, values: usize, blocks: usize) {
     assert_order(order);
     let size = coefficients(order);
     assert_eq!(values % size, 0, "vectors of order {order} have {size} coefficients");
     assert_eq!(blocks, blocks_for(order, values / size), "blocks for {} vectors of order {order}", values / size);
-    size
 }

@@ -13,7 +13,7 @@ const DEGREE: usize = 7;
 /// `width` functions of one variable, a polynomial of degree 7 in each of 16 pieces.
 #[derive(Clone, Debug)]
 pub(crate) struct Pieces<T> {
-    /// Where pieces begin; the first one lies below the domain.
+    /// Where pieces begin.
     starts: [T; PIECES],
     /// The middle of each piece.
     middles: [T; PIECES],
@@ -57,10 +57,8 @@ impl<T: Real> Pieces<T> {
             pieces.splice(worst..=worst, halves);
         }
         let column = |value: &dyn Fn(&Piece) -> f64| std::array::from_fn(|k| T::from_f64(value(&pieces[k])));
-        let mut starts: [T; PIECES] = column(&|piece| piece.start);
-        starts[0] = T::from_f64(f64::from(f32::MIN));
         Self {
-            starts,
+            starts: column(&|piece| piece.start),
             middles: column(&|piece| 0.5 * (piece.start + piece.end)),
             scales: column(&|piece| 2.0 / (piece.end - piece.start)),
             functions: (0..width)
@@ -74,9 +72,10 @@ impl<T: Real> Pieces<T> {
     #[inline(always)]
     pub(crate) fn lookup<V: Lanes<Scalar = T>>(&self, x: V, mut out: impl FnMut(usize, V)) {
         let x = x.max(V::constant(0.0)).min(V::splat(self.end));
-        let mut number = V::constant(0.0);
-        for &start in &self.starts[1..] {
-            number = number.add(x.where_less(V::splat(start), V::constant(0.0), V::constant(1.0)));
+        let mut number = V::constant(0.0); // of the last piece that begins at or below x, by bisection
+        for step in [8.0, 4.0, 2.0, 1.0] {
+            let further = number.add(V::constant(step));
+            number = x.where_less(further.select_from(&self.starts), number, further);
         }
         let position = x.sub(number.select_from(&self.middles)).mul(number.select_from(&self.scales));
         for (function, powers) in self.functions.iter().enumerate() {

@@ -6,6 +6,7 @@ mod formats;
 mod heights;
 mod identity;
 mod lights;
+mod models;
 mod mutations;
 mod readme;
 mod receivers;

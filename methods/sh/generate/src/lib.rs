@@ -51,6 +51,11 @@ impl Form {
         self.build(order, kind).iter().map(|(_, program)| program.count()).sum()
     }
 
+    /// Those among them that multiply.
+    pub fn count_multiplications(self, order: usize, kind: Kind) -> usize {
+        self.build(order, kind).iter().map(|(_, program)| program.count_multiplications()).sum()
+    }
+
     fn name(self) -> &'static str {
         match self {
             Self::Triples => "factored triples",

@@ -54,8 +54,9 @@ fn ring(order: usize, kind: Kind, z: f64, weight: f64) -> Program {
     let mut program = Program::default();
     let p = &mut program;
     let inputs = if kind == Kind::Product { 2 } else { 1 };
-    let forward =
-        table(p, order, z, |l, m| if m == 0 { latitude(order, z)(l, m) } else { 0.5 * latitude(order, z)(l, m) });
+    // Values on rings are in units of y_00, so that the mean is taken as it is.
+    let (latitude, unit) = (latitude(order, z), latitude(order, z)(0, 0));
+    let forward = table(p, order, z, |l, m| if m == 0 { latitude(l, m) } else { 0.5 * latitude(l, m) } / unit);
     let factors: Vec<[Ring; 2]> = (0..inputs).map(|vector| to_rings(p, order, vector, z, &forward)).collect();
     let sides = if z == 0.0 { 1 } else { 2 };
     let products: Vec<Ring> = (0..sides)
@@ -65,7 +66,7 @@ fn ring(order: usize, kind: Kind, z: f64, weight: f64) -> Program {
             [] => unreachable!("one or two factors"),
         })
         .collect();
-    let backward = table(p, order, z, |l, m| 2.0 * PI * weight * latitude(order, z)(l, m));
+    let backward = table(p, order, z, |l, m| 2.0 * PI * weight * unit * unit * latitude(l, m));
     let mut out = vec![Sum::default(); coefficients(order)];
     for l in 0..order {
         for m in -(l as isize)..=l as isize {
@@ -87,7 +88,8 @@ fn ring(order: usize, kind: Kind, z: f64, weight: f64) -> Program {
 
 /// Constants by l and m: entries of the table for a pair of rings, else literals.
 fn table(p: &mut Program, order: usize, z: f64, value: impl Fn(usize, usize) -> f64) -> Vec<Vec<Factor>> {
-    let mut factor = |value: f64| if place(z) == Place::Pair { p.slot(value) } else { Factor::Literal(value) };
+    let mut factor =
+        |value: f64| if place(z) == Place::Pair && value != 1.0 { p.slot(value) } else { Factor::Literal(value) };
     (0..order).map(|l| (0..=l).map(|m| factor(value(l, m))).collect()).collect()
 }
 
@@ -169,12 +171,19 @@ pub(crate) fn convolve(p: &mut Program, a: &Ring, b: &Ring) -> Ring {
     let top = (0..n).rev().find(|&m| a.cos[m].is_some()).expect("m = 0 is there");
     let part = |ring: &Ring, m: usize| (ring.cos[m].expect("present"), ring.sin[m]);
     let (a0, b0) = (part(a, 0).0, part(b, 0).0);
+    let sines = |(cos, sin): (Id, Option<Id>)| (cos, sin.expect("present"));
     let mut square = Sum::default();
     for m in 1..=top {
-        let ((ac, a_s), (bc, bs)) = (part(a, m), part(b, m));
-        let (a_s, bs) = (a_s.expect("present"), bs.expect("present"));
-        square.product(p, ac, bc);
-        square.product(p, a_s, bs);
+        let ((ac, a_s), (bc, bs)) = (sines(part(a, m)), sines(part(b, m)));
+        if 2 * m < n {
+            let [cc, ss] = [(ac, bc), (a_s, bs)].map(|(x, y)| p.push(Op::Mul(x, y)));
+            plus_minus(p, (cc, ss), &mut square, &mut cos[2 * m]);
+            sin[2 * m].product(p, ac, bs);
+            sin[2 * m].product(p, a_s, bc);
+        } else {
+            square.product(p, ac, bc);
+            square.product(p, a_s, bs);
+        }
         cos[m].product(p, a0, bc);
         cos[m].product(p, ac, b0);
         sin[m].product(p, a0, bs);
@@ -184,27 +193,51 @@ pub(crate) fn convolve(p: &mut Program, a: &Ring, b: &Ring) -> Ring {
         cos[0].scaled(p, Factor::Literal(2.0), twice);
     }
     cos[0].product(p, a0, b0);
-    for m in 1..=top {
-        for k in 1..=top {
-            let ((ac, a_s), (bc, bs)) = (part(a, m), part(b, k));
-            let (a_s, bs) = (a_s.expect("present"), bs.expect("present"));
+    for k in 1..=top {
+        for m in 1..k {
+            let ((acm, asm), (bcm, bsm)) = (sines(part(a, m)), sines(part(b, m)));
+            let ((ack, ask), (bck, bsk)) = (sines(part(a, k)), sines(part(b, k)));
             if m + k < n {
-                cos[m + k].product(p, ac, bc);
-                cos[m + k].minus_product(p, a_s, bs);
-                sin[m + k].product(p, ac, bs);
-                sin[m + k].product(p, a_s, bc);
-            }
-            let difference = m.abs_diff(k);
-            if difference > 0 {
-                cos[difference].product(p, ac, bc);
-                cos[difference].product(p, a_s, bs);
-                let (plus, minus) = if m > k { ((a_s, bc), (ac, bs)) } else { ((ac, bs), (a_s, bc)) };
-                sin[difference].product(p, plus.0, plus.1);
-                sin[difference].minus_product(p, minus.0, minus.1);
+                // Both m + k and k - m take the same products: multiplied once, added twice, which costs other units' time.
+                let [cc, ss, sc, cs] = [
+                    [(acm, bck), (ack, bcm)],
+                    [(asm, bsk), (ask, bsm)],
+                    [(ask, bcm), (acm, bsk)],
+                    [(ack, bsm), (asm, bck)],
+                ]
+                .map(|products| sum_of(p, &products));
+                let (low, high) = cos.split_at_mut(m + k);
+                plus_minus(p, (cc, ss), &mut low[k - m], &mut high[0]);
+                let (low, high) = sin.split_at_mut(m + k);
+                plus_minus(p, (sc, cs), &mut high[0], &mut low[k - m]);
+            } else {
+                for (x, y) in [(acm, bck), (ack, bcm), (asm, bsk), (ask, bsm)] {
+                    cos[k - m].product(p, x, y);
+                }
+                for (x, y) in [(ask, bcm), (acm, bsk)] {
+                    sin[k - m].product(p, x, y);
+                }
+                for (x, y) in [(ack, bsm), (asm, bck)] {
+                    sin[k - m].minus_product(p, x, y);
+                }
             }
         }
     }
     finish(&cos, &sin)
+}
+
+fn sum_of(p: &mut Program, products: &[(Id, Id)]) -> Id {
+    let mut sum = Sum::default();
+    products.iter().for_each(|&(x, y)| sum.product(p, x, y));
+    sum.value().expect("not empty")
+}
+
+/// Adds `x + y` to one sum and `x - y` to another.
+fn plus_minus(p: &mut Program, (x, y): (Id, Id), plus: &mut Sum, minus: &mut Sum) {
+    plus.scaled(p, Factor::Literal(1.0), x);
+    plus.scaled(p, Factor::Literal(1.0), y);
+    minus.scaled(p, Factor::Literal(1.0), x);
+    minus.scaled(p, Factor::Literal(-1.0), y);
 }
 
 /// The series of a function's square on a ring, truncated.

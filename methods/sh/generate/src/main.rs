@@ -13,18 +13,17 @@ fn main() -> io::Result<()> {
         fs::create_dir_all(path.parent().expect("files are in folders"))?;
         fs::write(path, text)?;
     }
-    println!("instructions             product           square");
-    println!("order    plain   triples   rings   triples   rings");
+    println!("instructions (those that multiply)");
+    println!("                         product                       square");
+    println!("order    plain         triples         rings         triples         rings");
     for order in 2..=8 {
-        let [product, square] = [Kind::Product, Kind::Square].map(|kind| Form::ALL.map(|form| form.count(order, kind)));
-        println!(
-            "{order:5} {:8} {:9} {:7} {:9} {:7}",
-            triples::build_plain(order).count(),
-            product[0],
-            product[1],
-            square[0],
-            square[1]
-        );
+        print!("{order:5} {:8}", triples::build_plain(order).count());
+        for kind in [Kind::Product, Kind::Square] {
+            for form in Form::ALL {
+                print!(" {:7} ({:4})", form.count(order, kind), form.count_multiplications(order, kind));
+            }
+        }
+        println!();
     }
     Ok(())
 }

@@ -132,6 +132,12 @@ impl Program {
         self.ops.iter().zip(self.live()).filter(|(op, live)| *live && !free(op)).count()
     }
 
+    /// Those among them that multiply: on some machines sums go to other units, at the same time.
+    pub fn count_multiplications(&self) -> usize {
+        let multiplies = |op: &Op| !matches!(op, Op::Input(..) | Op::Constant(_) | Op::Add(..) | Op::Sub(..));
+        self.ops.iter().zip(self.live()).filter(|(op, live)| *live && multiplies(op)).count()
+    }
+
     /// Writes the outputs for given inputs.
     pub fn run(&self, inputs: &[&[f64]], out: &mut [f64]) {
         let factor = |k: Factor| match k {

@@ -6,9 +6,10 @@ use crate::LANES;
 use crate::block::Block;
 use crate::pack::{Pack, Unpack};
 use crate::product::{
-    Evaluate, Kernel, MAX_SCALAR_ORDER, Product, Scalars, SingleProduct, SingleSquare, Square, Zonal, ZonalSum, suited,
-    with_kernel,
+    Evaluate, Kernel, MAX_TRIPLES_SIZE, Product, SingleProduct, SingleSquare, SoleProduct, SoleSquare, Square, Zonal,
+    ZonalSum, suited, with_kernel,
 };
+use crate::real::Real;
 use crate::simd::{Simd, run};
 
 /// The kernels of a scalar type.
@@ -36,15 +37,37 @@ pub trait Kernels: Sized {
         out: &mut [Block<Self>],
     );
     /// Vectors one after another to blocks.
-    fn pack(simd: Simd, size: usize, vectors: &[Self], blocks: &mut [Block<Self>]);
+    fn pack(simd: Simd, order: usize, vectors: &[Self], blocks: &mut [Block<Self>]);
     /// Blocks to vectors one after another.
-    fn unpack(simd: Simd, size: usize, blocks: &[Block<Self>], vectors: &mut [Self]);
+    fn unpack(simd: Simd, order: usize, blocks: &[Block<Self>], vectors: &mut [Self]);
     /// Products of vectors one after another.
     fn product_vectors(simd: Simd, order: usize, a: &[Self], b: &[Self], out: &mut [Self]);
     /// One product.
     fn product(simd: Simd, order: usize, a: &[Self], b: &[Self], out: &mut [Self]);
     /// One square.
     fn square(simd: Simd, order: usize, a: &[Self], out: &mut [Self]);
+}
+
+/// One product. Not inlined, so that choosing among orders needs no stack.
+#[inline(never)]
+fn product<T: Real, K: Kernel>(simd: Simd, a: &[T], b: &[T], out: &mut [T]) {
+    let kernel = PhantomData::<K>;
+    if K::SIZE <= MAX_TRIPLES_SIZE {
+        run(simd.min(Simd::Avx2), SoleProduct { a, b, out, kernel });
+    } else {
+        run(suited::<T, K>(simd), SingleProduct { a, b, out, kernel });
+    }
+}
+
+/// One square likewise.
+#[inline(never)]
+fn square<T: Real, K: Kernel>(simd: Simd, a: &[T], out: &mut [T]) {
+    let kernel = PhantomData::<K>;
+    if K::SIZE <= MAX_TRIPLES_SIZE {
+        run(simd.min(Simd::Avx2), SoleSquare { a, out, kernel });
+    } else {
+        run(suited::<T, K>(simd), SingleSquare { a, out, kernel });
+    }
 }
 
 macro_rules! kernels {
@@ -86,36 +109,32 @@ macro_rules! kernels {
                     run(simd, ZonalSum { order, zonal, directions, out, kernel: PhantomData::<K> })
                 });
             }
-            fn pack(simd: Simd, size: usize, vectors: &[$t], blocks: &mut [Block<$t>]) {
-                run(simd.min(Simd::Avx2), Pack { size, vectors, blocks });
+            #[inline(never)]
+            fn pack(simd: Simd, order: usize, vectors: &[$t], blocks: &mut [Block<$t>]) {
+                with_kernel!(order, K => run(simd, Pack { vectors, blocks, kernel: PhantomData::<K> }));
             }
-            fn unpack(simd: Simd, size: usize, blocks: &[Block<$t>], vectors: &mut [$t]) {
-                run(simd.min(Simd::Avx2), Unpack { size, blocks, vectors });
+            #[inline(never)]
+            fn unpack(simd: Simd, order: usize, blocks: &[Block<$t>], vectors: &mut [$t]) {
+                with_kernel!(order, K => run(simd, Unpack { blocks, vectors, kernel: PhantomData::<K> }));
             }
+            #[inline(never)]
             fn product_vectors(simd: Simd, order: usize, a: &[$t], b: &[$t], out: &mut [$t]) {
-                let size = order * order;
-                let [mut left, mut right, mut result] = [[Block::ZERO; 64]; 3];
-                let groups = a.chunks(LANES * size).zip(b.chunks(LANES * size)).zip(out.chunks_mut(LANES * size));
-                for ((a, b), out) in groups {
-                    Self::pack(simd, size, a, &mut left[..size]);
-                    Self::pack(simd, size, b, &mut right[..size]);
-                    Self::products(simd, order, &left[..size], &right[..size], &mut result[..size]);
-                    Self::unpack(simd, size, &result[..size], out);
-                }
+                with_kernel!(order, K => {
+                    let [mut left, mut right, mut result] = [(); 3].map(|()| K::rows::<$t>());
+                    let group = LANES * K::SIZE;
+                    for ((a, b), out) in a.chunks(group).zip(b.chunks(group)).zip(out.chunks_mut(group)) {
+                        run(simd, Pack { vectors: a, blocks: left.as_mut(), kernel: PhantomData::<K> });
+                        run(simd, Pack { vectors: b, blocks: right.as_mut(), kernel: PhantomData::<K> });
+                        Self::products(simd, order, left.as_mut(), right.as_mut(), result.as_mut());
+                        run(simd, Unpack { blocks: result.as_mut(), vectors: out, kernel: PhantomData::<K> });
+                    }
+                });
             }
-            #[inline(never)]
             fn product(simd: Simd, order: usize, a: &[$t], b: &[$t], out: &mut [$t]) {
-                with_kernel!(order, K => match order {
-                    ..=MAX_SCALAR_ORDER => K::product::<$t>(&Scalars(a), &Scalars(b), &mut Scalars(out)),
-                    _ => run(suited::<$t, K>(simd), SingleProduct { a, b, out, kernel: PhantomData::<K> }),
-                });
+                with_kernel!(order, K => product::<$t, K>(simd, a, b, out));
             }
-            #[inline(never)]
             fn square(simd: Simd, order: usize, a: &[$t], out: &mut [$t]) {
-                with_kernel!(order, K => match order {
-                    ..=MAX_SCALAR_ORDER => K::square::<$t>(&Scalars(a), &mut Scalars(out)),
-                    _ => run(suited::<$t, K>(simd), SingleSquare { a, out, kernel: PhantomData::<K> }),
-                });
+                with_kernel!(order, K => square::<$t, K>(simd, a, out));
             }
         }
     };

@@ -3,6 +3,7 @@
 use halflight_sh_kernels::{Block, LANES, Lanes, Real, Task, run};
 
 use super::Batch;
+use super::eigen::Wide;
 use crate::exp::{ExpWorkspace, SquaringRule, Work, linear_pieces, unclipped_norm};
 use crate::order::{SQRT_4_PI, coefficients};
 
@@ -13,26 +14,24 @@ const MAX_EIGENVALUE: f64 = 40.0;
 /// Likewise where the mean does.
 const MAX_MEAN: f64 = 60.0;
 
-/// The highest degree of PS-p and PS*-p, as for [`ExpWorkspace`].
-const MAX_DEGREE: usize = 20;
-
 /// The exponentials of [`ExpWorkspace`] for batches: one vector a lane, each squared as often as it needs.
 ///
 /// A lane's result does not depend on the other lanes. Vectors of extreme length, whose squares might overflow on the way,
 /// are handed to [`ExpWorkspace`], so that every finite input gives a finite output.
 #[derive(Clone, Debug)]
 pub struct BatchExp<T> {
-    batch: Batch,
+    pub(super) batch: Batch,
     one: ExpWorkspace<T>,
-    residual: Vec<Block<T>>,
-    value: Vec<Block<T>>,
-    next: Vec<Block<T>>,
-    powers: Vec<Vec<Block<T>>>,
+    pub(super) residual: Vec<Block<T>>,
+    pub(super) value: Vec<Block<T>>,
+    pub(super) next: Vec<Block<T>>,
+    pub(super) powers: Vec<Vec<Block<T>>>,
+    pub(super) wide: Wide,
 }
 
 /// What the lanes of one group of vectors need.
 #[derive(Clone, Copy)]
-struct Group<T> {
+pub(super) struct Group<T> {
     /// `e^mean`, the factor that ends the exponential.
     factor: Block<T>,
     /// The norm of the residual, scaled.
@@ -40,7 +39,7 @@ struct Group<T> {
     /// Squarings of each lane.
     squarings: Block<T>,
     /// Lanes that [`ExpWorkspace`] takes.
-    extreme: [bool; LANES],
+    pub(super) extreme: [bool; LANES],
 }
 
 impl<T: Real> BatchExp<T> {
@@ -54,6 +53,7 @@ impl<T: Real> BatchExp<T> {
             value: zeros.clone(),
             next: zeros,
             powers: Vec::new(),
+            wide: Wide::default(),
         }
     }
 
@@ -73,7 +73,7 @@ impl<T: Real> BatchExp<T> {
             let group = this.isolate(rule, limit, f);
             this.linear(&group.norm);
             this.finish(&group, out, 0, work);
-            this.redo(&group, f, out, work, |one, f, out| one.hybrid(rule, f, out));
+            this.redo(&group.extreme, f, out, work, |one, f, out| one.hybrid(rule, f, out));
         });
     }
 
@@ -87,53 +87,12 @@ impl<T: Real> BatchExp<T> {
             group.squarings = Block::ZERO;
             this.linear(&group.norm);
             this.finish(&group, out, 0, work);
-            this.redo(&group, f, out, work, ExpWorkspace::optimal_linear);
-        });
-    }
-
-    /// PS*-p, see [`ExpWorkspace::scaled_series`].
-    ///
-    /// # Panics
-    /// If the degree is 0 or above 20; as [`BatchExp::hybrid`].
-    pub fn scaled_series(
-        &mut self,
-        degree: usize,
-        rule: SquaringRule,
-        f: &[Block<T>],
-        out: &mut [Block<T>],
-        work: &mut [Work],
-    ) {
-        assert!((1..=MAX_DEGREE).contains(&degree), "PS*-p: degree {degree}, expected 1 to 20");
-        // As in `ExpWorkspace`: more squarings only where the highest power would overflow.
-        let limit = (80.0 / degree as f64).exp2();
-        self.for_groups(f, out, work, |this, f, out, work| {
-            let group = this.isolate(rule, limit, f);
-            let spent = this.series(degree);
-            work.iter_mut().for_each(|work| *work = spent);
-            this.finish(&group, out, spent.squares, work);
-            this.redo(&group, f, out, work, |one, f, out| one.scaled_series(degree, rule, f, out));
-        });
-    }
-
-    /// The eigen-exponential, one vector at a time, see [`ExpWorkspace::eigen`].
-    ///
-    /// # Panics
-    /// As [`BatchExp::hybrid`].
-    pub fn eigen(&mut self, f: &[Block<T>], out: &mut [Block<T>], work: &mut [Work]) {
-        self.for_groups(f, out, work, |this, f, out, work| {
-            let all = Group {
-                factor: Block::ZERO,
-                norm: Block::ZERO,
-                squarings: Block::ZERO,
-                extreme: std::array::from_fn(|lane| lane < work.len()),
-            };
-            out.iter_mut().for_each(|block| *block = Block::ZERO);
-            this.redo(&all, f, out, work, ExpWorkspace::eigen);
+            this.redo(&group.extreme, f, out, work, ExpWorkspace::optimal_linear);
         });
     }
 
     /// Calls `exp` with the blocks and works of each 16 vectors.
-    fn for_groups(
+    pub(super) fn for_groups(
         &mut self,
         f: &[Block<T>],
         out: &mut [Block<T>],
@@ -151,7 +110,7 @@ impl<T: Real> BatchExp<T> {
     }
 
     /// DC isolation and scaling: stores the residual and tells what the lanes need.
-    fn isolate(&mut self, rule: SquaringRule, limit: f64, f: &[Block<T>]) -> Group<T> {
+    pub(super) fn isolate(&mut self, rule: SquaringRule, limit: f64, f: &[Block<T>]) -> Group<T> {
         let mut group =
             Group { factor: Block::ZERO, norm: Block::ZERO, squarings: Block::ZERO, extreme: [false; LANES] };
         let bound = MAX_EIGENVALUE * SQRT_4_PI / self.batch.order() as f64;
@@ -183,45 +142,8 @@ impl<T: Real> BatchExp<T> {
         run(self.batch.simd(), task);
     }
 
-    /// The factored series of the residual.
-    fn series(&mut self, degree: usize) -> Work {
-        let mut work = Work::default();
-        let (batch, zeros) = (self.batch, vec![Block::ZERO; self.residual.len()]);
-        self.powers.resize(self.powers.len().max(degree / 2), zeros);
-        for k in 1..=degree / 2 {
-            let (done, rest) = self.powers.split_at_mut(k - 1);
-            match k {
-                1 => batch.square(&self.residual, &mut rest[0]),
-                _ if k % 2 == 0 => batch.square(&done[k / 2 - 1], &mut rest[0]),
-                _ => batch.product(&done[k - 2], &done[0], &mut rest[0]),
-            }
-            *if k > 1 && k % 2 == 1 { &mut work.products } else { &mut work.squares } += 1;
-        }
-        let one = T::from_f64(SQRT_4_PI);
-        self.value.fill(Block::ZERO);
-        self.value[0] = Block::splat(one);
-        let mut odd = self.value.clone();
-        let mut reciprocal = 1.0; // 1/(2k+1)!
-        for (k, power) in self.powers.iter().take(degree / 2).enumerate() {
-            let even = reciprocal / (2 * k + 2) as f64;
-            reciprocal = even / (2 * k + 3) as f64;
-            run(batch.simd(), AddScaled { factor: T::from_f64(even), x: power, sum: &mut self.value });
-            if 2 * k + 3 <= degree {
-                run(batch.simd(), AddScaled { factor: T::from_f64(reciprocal), x: power, sum: &mut odd });
-            }
-        }
-        if degree < 3 {
-            run(batch.simd(), AddScaled { factor: T::ONE, x: &self.residual, sum: &mut self.value });
-        } else {
-            batch.product(&self.residual, &odd, &mut self.next);
-            run(batch.simd(), AddScaled { factor: T::ONE, x: &self.next, sum: &mut self.value });
-            work.products += 1;
-        }
-        work
-    }
-
     /// Squares each lane as often as it needs, multiplies by `e^mean` and writes the result.
-    fn finish(&mut self, group: &Group<T>, out: &mut [Block<T>], spent: u32, work: &mut [Work]) {
+    pub(super) fn finish(&mut self, group: &Group<T>, out: &mut [Block<T>], spent: u32, work: &mut [Work]) {
         let most = group.squarings.0.iter().fold(T::ZERO, |most, &count| most.max(count)).to_f64() as u32;
         for round in 0..most {
             self.batch.square(&self.value, &mut self.next);
@@ -239,17 +161,17 @@ impl<T: Real> BatchExp<T> {
     }
 
     /// Computes extreme lanes, and those whose result is not finite, by themselves.
-    fn redo(
+    pub(super) fn redo(
         &mut self,
-        group: &Group<T>,
+        extreme: &[bool; LANES],
         f: &[Block<T>],
         out: &mut [Block<T>],
         work: &mut [Work],
         mut exp: impl FnMut(&mut ExpWorkspace<T>, &[T], &mut [T]) -> Work,
     ) {
-        for lane in 0..LANES {
+        for (lane, &extreme) in extreme.iter().enumerate() {
             let finite = out.iter().all(|block| block.0[lane].is_finite());
-            if group.extreme[lane] || !finite {
+            if extreme || !finite {
                 let input: Vec<T> = f.iter().map(|block| block.0[lane]).collect();
                 let mut result = input.clone();
                 let spent = exp(&mut self.one, &input, &mut result);
@@ -346,30 +268,11 @@ impl<T: Real> Task<T> for Linear<'_, T> {
     }
 }
 
-/// `sum += factor·x`.
-struct AddScaled<'a, T> {
-    factor: T,
-    x: &'a [Block<T>],
-    sum: &'a mut [Block<T>],
-}
-
-impl<T: Real> Task<T> for AddScaled<'_, T> {
-    #[inline(always)]
-    fn run<V: Lanes<Scalar = T>>(self) {
-        for (x, sum) in self.x.iter().zip(self.sum) {
-            for part in 0..LANES / V::WIDTH {
-                let term = V::load(&x.0, part);
-                term.mul_add(V::splat(self.factor), V::load(&sum.0, part)).store(&mut sum.0, part);
-            }
-        }
-    }
-}
-
 /// `out = factor·x`, lane by lane.
-struct Scale<'a, T> {
-    factor: &'a Block<T>,
-    x: &'a [Block<T>],
-    out: &'a mut [Block<T>],
+pub(super) struct Scale<'a, T> {
+    pub(super) factor: &'a Block<T>,
+    pub(super) x: &'a [Block<T>],
+    pub(super) out: &'a mut [Block<T>],
 }
 
 impl<T: Real> Task<T> for Scale<'_, T> {

@@ -1,10 +1,9 @@
-//! Linear operations in lanes: product matrices, rotations, triple products.
+//! Linear operations in lanes: product matrices, triple products, dot products.
 
 use halflight_sh_kernels::{Block, LANES, Lanes, Real, Task, run};
 
 use super::Batch;
 use crate::order::coefficients;
-use crate::rotation::Rotation;
 
 impl Batch {
     /// The products of one vector `a`, given by its product matrix (see
@@ -18,21 +17,6 @@ impl Batch {
         assert_eq!(matrix.len(), size * size, "a product matrix of order {} is {size}×{size}", self.order);
         self.assert_batches([b.len()], out.len());
         run(self.simd, Dense { size, matrix, x: b, out, stride: size });
-    }
-
-    /// Every vector of `input` rotated by one rotation, see [`Rotation::apply`].
-    ///
-    /// # Panics
-    /// If the rotation is of another order, or the batches differ in size or do not hold whole vectors.
-    pub fn rotate<T: Real>(&self, rotation: &Rotation, input: &[Block<T>], out: &mut [Block<T>]) {
-        assert_eq!(rotation.order(), self.order, "a rotation of another order");
-        self.assert_batches([input.len()], out.len());
-        let stride = coefficients(self.order);
-        for (l, block) in rotation.blocks().enumerate() {
-            let (first, size) = (coefficients(l), 2 * l + 1);
-            let matrix: Vec<T> = block.iter().map(|&entry| T::from_f64(entry)).collect();
-            run(self.simd, Dense { size, matrix: &matrix, x: &input[first..], out: &mut out[first..], stride });
-        }
     }
 
     /// The integrals of the products of three functions, lane by lane, one block for each `n²`; see
@@ -115,12 +99,12 @@ impl<T: Real> Task<T> for Replace<'_, T> {
 }
 
 /// A square matrix times the leading coefficients of vectors that are `stride` blocks apart.
-struct Dense<'a, T> {
-    size: usize,
-    matrix: &'a [T],
-    x: &'a [Block<T>],
-    out: &'a mut [Block<T>],
-    stride: usize,
+pub(super) struct Dense<'a, T> {
+    pub(super) size: usize,
+    pub(super) matrix: &'a [T],
+    pub(super) x: &'a [Block<T>],
+    pub(super) out: &'a mut [Block<T>],
+    pub(super) stride: usize,
 }
 
 impl<T: Real> Task<T> for Dense<'_, T> {

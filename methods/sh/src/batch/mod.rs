@@ -2,8 +2,11 @@
 
 mod basis;
 mod circles;
+mod eigen;
 mod exp;
 mod linear;
+mod rotation;
+mod series;
 
 pub use exp::BatchExp;
 
@@ -98,8 +101,7 @@ impl Batch {
     /// # Panics
     /// If a slice does not hold `n²` coefficients.
     pub fn single_product<T: Real>(&self, a: &[T], b: &[T], out: &mut [T]) {
-        [a, b].into_iter().for_each(|v| assert_vector(self.order, v));
-        assert_vector(self.order, out);
+        self.assert_vectors([a.len(), b.len(), out.len()]);
         T::product(self.simd, self.order, a, b, out);
     }
 
@@ -108,8 +110,7 @@ impl Batch {
     /// # Panics
     /// If a slice does not hold `n²` coefficients.
     pub fn single_square<T: Real>(&self, a: &[T], out: &mut [T]) {
-        assert_vector(self.order, a);
-        assert_vector(self.order, out);
+        self.assert_vectors([a.len(), out.len()]);
         T::square(self.simd, self.order, a, out);
     }
 
@@ -123,6 +124,12 @@ impl Batch {
         let product = &mut product[..coefficients(self.order)];
         self.single_product(a, b, product);
         product.iter().zip(c).fold(T::ZERO, |sum, (&x, &y)| sum + x * y)
+    }
+
+    #[track_caller]
+    fn assert_vectors<const N: usize>(&self, lengths: [usize; N]) {
+        let size = self.order * self.order;
+        assert!(lengths.iter().all(|&len| len == size), "vectors of {lengths:?} coefficients, expected {size}");
     }
 
     #[track_caller]

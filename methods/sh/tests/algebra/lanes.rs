@@ -117,6 +117,18 @@ proptest! {
     }
 
     #[test]
+    fn rotations_of_their_own(
+        (order, v) in vectors(18), axes in proptest::collection::vec(unit_vector(), 18), e in -9.0f64..0.6,
+    ) {
+        // angles of every size, and the half turns about all axes, whose α and γ are badly determined as well
+        let angle = |i: usize| if i % 6 == 5 { std::f64::consts::PI - 10f64.powf(e - 3.0) } else { 10f64.powf(e - i as f64 / 3.0) };
+        let axis = |i: usize| if i % 7 == 6 { [0.0, 0.0, 1.0] } else { axes[i] };
+        let matrices: Vec<_> = (0..v.len()).map(|i| crate::rotations::rotation_about(axis(i), angle(i))).collect();
+        check_rotate_each::<f32>(order, &v, &matrices, 1e-6)?;
+        check_rotate_each::<f64>(order, &v, &matrices, 1e-14)?;
+    }
+
+    #[test]
     fn exponentials_are_those_of_single_vectors(sets in proptest::collection::vec(blockers(), 20), factor in -0.2f64..3.0) {
         let order = sets[0].0;
         let logs: Vec<Vec<f64>> = sets
@@ -129,11 +141,38 @@ proptest! {
     }
 }
 
+fn check_rotate_each<T: Real>(
+    order: usize,
+    v: &[Vec<f64>],
+    matrices: &[[[f64; 3]; 3]],
+    bound: f64,
+) -> Result<(), TestCaseError> {
+    let entry = |i: usize, row: usize, column: usize| matrices.get(i).map_or(0.0, |matrix| matrix[row][column]);
+    let block = |group: usize, row, column| {
+        Block(std::array::from_fn(|lane| T::from_f64(entry(group * LANES + lane, row, column))))
+    };
+    let blocks: Vec<[[Block<T>; 3]; 3]> = (0..v.len().div_ceil(LANES))
+        .map(|group| std::array::from_fn(|row| std::array::from_fn(|column| block(group, row, column))))
+        .collect();
+    let input = packed::<T>(order, v);
+    for batch in instruction_sets(order) {
+        let mut out = input.clone();
+        batch.rotate_each(&blocks, &input, &mut out);
+        for ((got, v), matrix) in unpacked(order, &out, v.len()).iter().zip(v).zip(matrices) {
+            let mut want = v.clone();
+            Rotation::new(order, *matrix).apply(v, &mut want);
+            let error = distance(got, &want) / norm(v);
+            prop_assert!(error <= bound, "{:?}, order {order}: {error:e}", batch.simd());
+        }
+    }
+    Ok(())
+}
+
 type Variant<T> = fn(&mut BatchExp<T>, &[Block<T>], &mut [Block<T>], &mut [Work]);
 type Single<T> = fn(&mut ExpWorkspace<T>, &[T], &mut [T]) -> Work;
 
 fn check_exponentials<T: Real>(order: usize, logs: &[Vec<f64>], tolerance: f64) -> Result<(), TestCaseError> {
-    let variants: [(&str, Variant<T>, Single<T>); 5] = [
+    let variants: [(&str, Variant<T>, Single<T>); 7] = [
         (
             "hyb",
             |b, f, o, w| b.hybrid(SquaringRule::default(), f, o, w),
@@ -150,6 +189,8 @@ fn check_exponentials<T: Real>(order: usize, logs: &[Vec<f64>], tolerance: f64) 
             |b, f, o, w| b.scaled_series(5, SquaringRule::default(), f, o, w),
             |e, f, o| e.scaled_series(5, SquaringRule::default(), f, o),
         ),
+        ("ps-1", |b, f, o, w| b.product_series(1, f, o, w), |e, f, o| e.product_series(1, f, o)),
+        ("ps-6", |b, f, o, w| b.product_series(6, f, o, w), |e, f, o| e.product_series(6, f, o)),
         ("eigen", BatchExp::eigen, ExpWorkspace::eigen),
     ];
     let input = packed::<T>(order, logs);
@@ -179,6 +220,31 @@ fn check_exponentials<T: Real>(order: usize, logs: &[Vec<f64>], tolerance: f64) 
         }
     }
     Ok(())
+}
+
+/// Without eigenvectors it is the same sum: vectors of every length, those that are left to eigenvectors among them.
+#[test]
+fn eigen_in_lanes_is_eigen_of_single_vectors() {
+    for order in 1..=8 {
+        let vectors: Vec<Vec<f64>> = (0..40)
+            .map(|k| {
+                let v: Vec<f64> = (0..order * order).map(|i| (f64::from(i as u32 * 7 + k) + 0.5).sin()).collect();
+                let v = scaled(&v, 10f64.powf(f64::from(k) / 10.0 - 2.5) / norm(&v));
+                convert::<f32>(&v).into_iter().map(f64::from).collect()
+            })
+            .collect();
+        let input = packed::<f32>(order, &vectors);
+        for batch in instruction_sets(order) {
+            let mut out = vec![Block::splat(f32::NAN); input.len()];
+            BatchExp::new(batch).eigen(&input, &mut out, &mut [Work::default(); 40]);
+            for (got, v) in unpacked(order, &out, vectors.len()).iter().zip(&vectors) {
+                let mut want = v.clone();
+                ExpWorkspace::new(order).eigen(v, &mut want);
+                let error = distance(got, &want) / norm(&want);
+                assert!(error < 2e-7, "order {order}, length {}, {:?}: {error:e}", norm(v), batch.simd());
+            }
+        }
+    }
 }
 
 /// The stated errors of circle lookups, and their ends.
@@ -223,7 +289,8 @@ fn extreme_vectors_stay_finite_in_lanes() {
             for length in [0.0, 1e-30, 1e-3, 30.0, 1e4, 1e20] {
                 let vectors: Vec<Vec<f64>> = (0..20)
                     .map(|k| {
-                        let v: Vec<f64> = (0..order * order).map(|i| f64::from(i as u32 * 7 + k).sin()).collect();
+                        let v: Vec<f64> =
+                            (0..order * order).map(|i| (f64::from(i as u32 * 7 + k) + 0.5).sin()).collect();
                         scaled(&v, length / norm(&v))
                     })
                     .collect();
@@ -234,6 +301,8 @@ fn extreme_vectors_stay_finite_in_lanes() {
                 exp.hybrid(SquaringRule::default(), &input, &mut out, &mut work);
                 assert!(out.iter().all(|block| block.0.iter().all(|x| x.is_finite())));
                 exp.scaled_series(3, SquaringRule::default(), &input, &mut out, &mut work);
+                assert!(out.iter().all(|block| block.0.iter().all(|x| x.is_finite())));
+                exp.product_series(9, &input, &mut out, &mut work);
                 assert!(out.iter().all(|block| block.0.iter().all(|x| x.is_finite())));
                 exp.optimal_linear(&input, &mut out, &mut work);
                 assert!(out.iter().all(|block| block.0.iter().all(|x| x.is_finite())));

@@ -6,7 +6,7 @@ mod generated;
 mod single;
 
 pub(crate) use basis::{Evaluate, Zonal, ZonalSum};
-pub(crate) use single::{MAX_SCALAR_ORDER, Scalars, SingleProduct, SingleSquare, suited};
+pub(crate) use single::{MAX_TRIPLES_SIZE, SingleProduct, SingleSquare, SoleProduct, SoleSquare, suited};
 
 use std::marker::PhantomData;
 

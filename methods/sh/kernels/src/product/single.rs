@@ -1,4 +1,4 @@
-//! The product of one pair of vectors, a ring in each lane.
+//! The product of one pair of vectors: a ring in each lane, or one lane alone.
 
 use std::marker::PhantomData;
 
@@ -57,7 +57,7 @@ pub(crate) struct SingleProduct<'a, T, K> {
 impl<T: Real, K: Kernel> Task<T> for SingleProduct<'_, T, K> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = T>>(self) {
-        let (a, b) = (Splat(self.a), Splat(self.b));
+        let (a, b) = (Splat(&self.a[..K::SIZE]), Splat(&self.b[..K::SIZE]));
         let [forward, backward] = K::tables::<T>();
         let mut sums = K::rows::<T>();
         for part in 0..K::RINGS.div_ceil(V::WIDTH) {
@@ -78,7 +78,7 @@ pub(crate) struct SingleSquare<'a, T, K> {
 impl<T: Real, K: Kernel> Task<T> for SingleSquare<'_, T, K> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = T>>(self) {
-        let a = Splat(self.a);
+        let a = Splat(&self.a[..K::SIZE]);
         let [forward, backward] = K::tables::<T>();
         let mut sums = K::rows::<T>();
         for part in 0..K::RINGS.div_ceil(V::WIDTH) {
@@ -89,37 +89,55 @@ impl<T: Real, K: Kernel> Task<T> for SingleSquare<'_, T, K> {
     }
 }
 
-/// The coefficients of one vector, each the only lane of a register.
-pub(crate) struct Scalars<S>(pub(crate) S);
-
-macro_rules! scalars {
-    ($t:ty) => {
-        impl Source<$t> for Scalars<&[$t]> {
-            #[inline(always)]
-            fn get(&self, i: usize) -> $t {
-                self.0[i]
-            }
-        }
-        impl Source<$t> for Scalars<&mut [$t]> {
-            #[inline(always)]
-            fn get(&self, i: usize) -> $t {
-                self.0[i]
-            }
-        }
-        impl Sink<$t> for Scalars<&mut [$t]> {
-            #[inline(always)]
-            fn set(&mut self, i: usize, value: $t) {
-                self.0[i] = value;
-            }
-        }
-    };
+/// One product by the batch's program in the first lane, where the others would hold the same.
+pub(crate) struct SoleProduct<'a, T, K> {
+    pub(crate) a: &'a [T],
+    pub(crate) b: &'a [T],
+    pub(crate) out: &'a mut [T],
+    pub(crate) kernel: PhantomData<K>,
 }
 
-scalars!(f32);
-scalars!(f64);
+impl<T: Real, K: Kernel> Task<T> for SoleProduct<'_, T, K> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        let (a, b, out) = (&self.a[..K::SIZE], &self.b[..K::SIZE], &mut self.out[..K::SIZE]);
+        K::product::<V>(&Splat(a), &Splat(b), &mut FirstLane(out));
+    }
+}
 
-/// Up to this order the rings of a single pair are too few to pay, and scalar triples win.
-pub(crate) const MAX_SCALAR_ORDER: usize = 3;
+/// One square likewise.
+pub(crate) struct SoleSquare<'a, T, K> {
+    pub(crate) a: &'a [T],
+    pub(crate) out: &'a mut [T],
+    pub(crate) kernel: PhantomData<K>,
+}
+
+impl<T: Real, K: Kernel> Task<T> for SoleSquare<'_, T, K> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        K::square::<V>(&Splat(&self.a[..K::SIZE]), &mut FirstLane(&mut self.out[..K::SIZE]));
+    }
+}
+
+/// The vector that the first lanes make.
+struct FirstLane<'a, T>(&'a mut [T]);
+
+impl<V: Lanes> Source<V> for FirstLane<'_, V::Scalar> {
+    #[inline(always)]
+    fn get(&self, i: usize) -> V {
+        V::splat(self.0[i])
+    }
+}
+
+impl<V: Lanes> Sink<V> for FirstLane<'_, V::Scalar> {
+    #[inline(always)]
+    fn set(&mut self, i: usize, value: V) {
+        self.0[i] = value.first();
+    }
+}
+
+/// Up to so many coefficients, those of order 3, the rings of a single pair are too few to pay, and triples win.
+pub(crate) const MAX_TRIPLES_SIZE: usize = 9;
 
 /// The narrowest instructions that hold all rings of an order in one register, or else the widest.
 pub(crate) fn suited<T: Real, K: Kernel>(simd: Simd) -> Simd {

@@ -20,9 +20,10 @@ pub struct F64x4(__m256d);
 macro_rules! arithmetic {
     ($wrap:ident, $t:ty, $width:literal, $set1:ident, $loadu:ident, $storeu:ident, $add:ident, $sub:ident, $mul:ident,
      $div:ident, $fmadd:ident, $fnmadd:ident, $sqrt:ident, $min:ident, $max:ident, $floor:ident, $cmp:ident, $blendv:ident,
-     $movemask:ident) => {
+     $movemask:ident, $first:ident) => {
         type Scalar = $t;
         const WIDTH: usize = $width;
+        const TILE: usize = $width;
 
         #[inline(always)]
         fn splat(value: $t) -> Self {
@@ -95,6 +96,11 @@ macro_rules! arithmetic {
         fn where_less(self, bound: Self, below: Self, otherwise: Self) -> Self {
             // SAFETY: as in `splat`.
             $wrap(unsafe { $blendv(otherwise.0, below.0, $cmp::<_CMP_LT_OQ>(self.0, bound.0)) })
+        }
+        #[inline(always)]
+        fn first(self) -> $t {
+            // SAFETY: as in `splat`.
+            unsafe { $first(self.0) }
         }
         #[inline(always)]
         fn any_less(self, bound: Self) -> bool {
@@ -222,7 +228,8 @@ impl Lanes for F32x8 {
         _mm256_floor_ps,
         _mm256_cmp_ps,
         _mm256_blendv_ps,
-        _mm256_movemask_ps
+        _mm256_movemask_ps,
+        _mm256_cvtss_f32
     );
 
     #[inline(always)]
@@ -282,7 +289,8 @@ impl Lanes for F64x4 {
         _mm256_floor_pd,
         _mm256_cmp_pd,
         _mm256_blendv_pd,
-        _mm256_movemask_pd
+        _mm256_movemask_pd,
+        _mm256_cvtsd_f64
     );
     transposes!(F64x4, f64, 4, _mm256_loadu_pd, _mm256_storeu_pd, transpose_four);
 

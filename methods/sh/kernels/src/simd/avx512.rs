@@ -21,9 +21,11 @@ pub struct F64x8(__m512d);
 macro_rules! arithmetic {
     ($wrap:ident, $t:ty, $width:literal, $set1:ident, $loadu:ident, $storeu:ident, $add:ident, $sub:ident, $mul:ident,
      $div:ident, $fmadd:ident, $fnmadd:ident, $sqrt:ident, $min:ident, $max:ident, $scale:ident, $cmp:ident,
-     $blend:ident, $getexp:ident, $scalef:ident) => {
+     $blend:ident, $getexp:ident, $scalef:ident, $first:ident, $half_load:ident, $half_store:ident, $low:ident,
+     $insert:ident, $extract:ident, $transpose:ident) => {
         type Scalar = $t;
         const WIDTH: usize = $width;
+        const TILE: usize = $width / 2;
 
         #[inline(always)]
         fn splat(value: $t) -> Self {
@@ -98,6 +100,45 @@ macro_rules! arithmetic {
             $wrap(unsafe { $blend($cmp::<_CMP_LT_OQ>(self.0, bound.0), otherwise.0, below.0) })
         }
         #[inline(always)]
+        fn first(self) -> $t {
+            // SAFETY: as in `splat`.
+            unsafe { $first(self.0) }
+        }
+        #[inline(always)]
+        fn transpose_in(from: &[$t], stride: usize, to: &mut [Block<$t>], part: usize) {
+            // Row `i` holds vector `i` in its low half and vector `i + TILE` in its high one.
+            let rows: [Self; $width / 2] = std::array::from_fn(|lane| {
+                let half = |lane: usize| {
+                    let row = &from[lane * stride..][..Self::TILE];
+                    // SAFETY: the slice holds as many lanes as are read.
+                    unsafe { $half_load(row.as_ptr()) }
+                };
+                // SAFETY: as in `splat`.
+                $wrap(unsafe { $insert::<1>($low(half(lane)), half(lane + Self::TILE)) })
+            });
+            // SAFETY: as in `splat`.
+            let columns = unsafe { $transpose(rows.map(|row| row.0)) };
+            to[..Self::TILE]
+                .iter_mut()
+                .zip(columns)
+                .for_each(|(block, column)| $wrap(column).store(&mut block.0, part));
+        }
+        #[inline(always)]
+        fn transpose_out(from: &[Block<$t>], part: usize, to: &mut [$t], stride: usize) {
+            let columns: [Self; $width / 2] = std::array::from_fn(|i| Self::load(&from[i].0, part));
+            // SAFETY: as in `splat`.
+            let rows = unsafe { $transpose(columns.map(|column| column.0)) };
+            for (lane, row) in rows.into_iter().enumerate() {
+                // SAFETY: as in `splat`.
+                let halves = unsafe { [$extract::<0>(row), $extract::<1>(row)] };
+                for (half, value) in halves.into_iter().enumerate() {
+                    let to = &mut to[(lane + half * Self::TILE) * stride..][..Self::TILE];
+                    // SAFETY: the slice holds as many lanes as are written.
+                    unsafe { $half_store(to.as_mut_ptr(), value) }
+                }
+            }
+        }
+        #[inline(always)]
         fn any_less(self, bound: Self) -> bool {
             // SAFETY: as in `splat`.
             unsafe { $cmp::<_CMP_LT_OQ>(self.0, bound.0) != 0 }
@@ -113,6 +154,59 @@ macro_rules! arithmetic {
             $wrap(unsafe { $getexp(self.0) })
         }
     };
+}
+
+/// Replaces a half; the instruction for `f32` needs AVX-512DQ.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn insert_half<const HALF: i32>(into: __m512, half: __m256) -> __m512 {
+    _mm512_castpd_ps(_mm512_insertf64x4::<HALF>(_mm512_castps_pd(into), _mm256_castps_pd(half)))
+}
+
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn extract_half<const HALF: i32>(from: __m512) -> __m256 {
+    _mm256_castpd_ps(_mm512_extractf64x4_pd::<HALF>(_mm512_castps_pd(from)))
+}
+
+/// In each half the first, or the second, quarter of `low`, then that of `high`.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn quarters<const SECOND: i64>(low: __m512d, high: __m512d) -> __m512d {
+    let s = 2 * SECOND;
+    _mm512_permutex2var_pd(low, _mm512_setr_epi64(s, s + 1, s + 8, s + 9, s + 4, s + 5, s + 12, s + 13), high)
+}
+
+/// Transposes eight rows of eight lanes in each half.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn transpose_halves_of_eight([a, b, c, d, e, f, g, h]: [__m512; 8]) -> [__m512; 8] {
+    // columns (0, 4), (1, 5), (2, 6), (3, 7) of four rows
+    let four = |a: __m512, b: __m512, c: __m512, d: __m512| {
+        let pairs = |a, b| [_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b)].map(|pair| _mm512_castps_pd(pair));
+        let ([ab0, ab1], [cd0, cd1]) = (pairs(a, b), pairs(c, d));
+        [
+            _mm512_unpacklo_pd(ab0, cd0),
+            _mm512_unpackhi_pd(ab0, cd0),
+            _mm512_unpacklo_pd(ab1, cd1),
+            _mm512_unpackhi_pd(ab1, cd1),
+        ]
+    };
+    let (upper, lower) = (four(a, b, c, d), four(e, f, g, h));
+    let column = |i: usize| match i {
+        0..4 => _mm512_castpd_ps(quarters::<0>(upper[i], lower[i])),
+        _ => _mm512_castpd_ps(quarters::<1>(upper[i - 4], lower[i - 4])),
+    };
+    [column(0), column(1), column(2), column(3), column(4), column(5), column(6), column(7)]
+}
+
+/// Transposes four rows of four lanes in each half.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn transpose_halves_of_four([a, b, c, d]: [__m512d; 4]) -> [__m512d; 4] {
+    let (ab0, ab1) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+    let (cd0, cd1) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));
+    [quarters::<0>(ab0, cd0), quarters::<0>(ab1, cd1), quarters::<1>(ab0, cd0), quarters::<1>(ab1, cd1)]
 }
 
 impl Lanes for F32x16 {
@@ -136,7 +230,14 @@ impl Lanes for F32x16 {
         _mm512_cmp_ps_mask,
         _mm512_mask_blend_ps,
         _mm512_getexp_ps,
-        _mm512_scalef_ps
+        _mm512_scalef_ps,
+        _mm512_cvtss_f32,
+        _mm256_loadu_ps,
+        _mm256_storeu_ps,
+        _mm512_castps256_ps512,
+        insert_half,
+        extract_half,
+        transpose_halves_of_eight
     );
 
     #[inline(always)]
@@ -176,7 +277,14 @@ impl Lanes for F64x8 {
         _mm512_cmp_pd_mask,
         _mm512_mask_blend_pd,
         _mm512_getexp_pd,
-        _mm512_scalef_pd
+        _mm512_scalef_pd,
+        _mm512_cvtsd_f64,
+        _mm256_loadu_pd,
+        _mm256_storeu_pd,
+        _mm512_castpd256_pd512,
+        _mm512_insertf64x4,
+        _mm512_extractf64x4_pd,
+        transpose_halves_of_four
     );
 
     #[inline(always)]

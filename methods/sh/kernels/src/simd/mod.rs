@@ -36,15 +36,20 @@ impl Simd {
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
     /// The widest that this machine has.
+    #[inline]
     pub fn best() -> Self {
         static BEST: AtomicU8 = AtomicU8::new(u8::MAX);
         let known = BEST.load(Ordering::Relaxed);
-        if let Some(&simd) = Self::ALL.get(usize::from(known)) {
-            return simd;
-        }
-        let found = Self::ALL.into_iter().rev().find(|simd| simd.is_available()).unwrap_or(Self::Portable);
-        BEST.store(found as u8, Ordering::Relaxed);
-        found
+        Self::ALL.get(usize::from(known)).copied().unwrap_or_else(|| {
+            let found = Self::widest();
+            BEST.store(found as u8, Ordering::Relaxed);
+            found
+        })
+    }
+
+    #[cold]
+    fn widest() -> Self {
+        Self::ALL.into_iter().rev().find(|simd| simd.is_available()).unwrap_or(Self::Portable)
     }
 
     /// Whether this machine has it.
@@ -70,6 +75,8 @@ pub trait Lanes: Copy + 'static {
     type Scalar: Real;
     /// The number of lanes, a divisor of [`LANES`](crate::LANES).
     const WIDTH: usize;
+    /// Coefficients that a transpose moves at a time.
+    const TILE: usize;
 
     /// All lanes the same.
     fn splat(value: Self::Scalar) -> Self;
@@ -103,30 +110,17 @@ pub trait Lanes: Copy + 'static {
     fn exponent(self) -> Self;
     /// In each lane `below` where `self < bound`, else `otherwise`.
     fn where_less(self, bound: Self, below: Self, otherwise: Self) -> Self;
+    /// The first lane.
+    fn first(self) -> Self::Scalar;
     /// Whether `self < bound` in any lane.
     fn any_less(self, bound: Self) -> bool;
     /// In each lane the entry of `table` whose number, 0 to 15, `self` is.
     fn select_from(self, table: &[Self::Scalar; 16]) -> Self;
 
-    /// A tile of `WIDTH` vectors, `stride` apart, and as many coefficients to blocks.
-    #[inline(always)]
-    fn transpose_in(from: &[Self::Scalar], stride: usize, to: &mut [Block<Self::Scalar>], part: usize) {
-        for (i, block) in to[..Self::WIDTH].iter_mut().enumerate() {
-            for lane in 0..Self::WIDTH {
-                block.0[part * Self::WIDTH + lane] = from[lane * stride + i];
-            }
-        }
-    }
-
+    /// A tile of `WIDTH` vectors, `stride` apart, and `TILE` coefficients to blocks.
+    fn transpose_in(from: &[Self::Scalar], stride: usize, to: &mut [Block<Self::Scalar>], part: usize);
     /// The inverse.
-    #[inline(always)]
-    fn transpose_out(from: &[Block<Self::Scalar>], part: usize, to: &mut [Self::Scalar], stride: usize) {
-        for (i, block) in from[..Self::WIDTH].iter().enumerate() {
-            for lane in 0..Self::WIDTH {
-                to[lane * stride + i] = block.0[part * Self::WIDTH + lane];
-            }
-        }
-    }
+    fn transpose_out(from: &[Block<Self::Scalar>], part: usize, to: &mut [Self::Scalar], stride: usize);
 
     /// Writes the sum of the first `WIDTH` lanes of each row.
     #[inline(always)]
@@ -163,7 +157,7 @@ pub trait Task<T: Real> {
 pub fn run<T: Real>(simd: Simd, task: impl Task<T>) {
     assert!(simd <= Simd::best(), "{simd:?} instructions are not available on this machine");
     match simd {
-        Simd::Portable => task.run::<T::Portable>(),
+        Simd::Portable => run_portable(task),
         #[cfg(target_arch = "x86_64")]
         Simd::Avx2 => {
             // SAFETY: the machine has the instructions, as asserted: all that are narrower than the best.
@@ -177,6 +171,12 @@ pub fn run<T: Real>(simd: Simd, task: impl Task<T>) {
         #[cfg(not(target_arch = "x86_64"))]
         _ => unreachable!("not available on this machine"),
     }
+}
+
+/// Apart, so that what it needs of the stack does not burden the others.
+#[inline(never)]
+fn run_portable<T: Real>(task: impl Task<T>) {
+    task.run::<T::Portable>();
 }
 
 #[cfg(target_arch = "x86_64")]

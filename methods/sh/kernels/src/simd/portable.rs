@@ -2,6 +2,7 @@
 
 use super::Lanes;
 use crate::LANES;
+use crate::block::Block;
 use crate::real::Real;
 
 macro_rules! scalar {
@@ -9,6 +10,7 @@ macro_rules! scalar {
         impl Lanes for $t {
             type Scalar = $t;
             const WIDTH: usize = 1;
+            const TILE: usize = 1;
 
             #[inline(always)]
             fn splat(value: $t) -> Self {
@@ -76,12 +78,24 @@ macro_rules! scalar {
                 if self < bound { below } else { otherwise }
             }
             #[inline(always)]
+            fn first(self) -> $t {
+                self
+            }
+            #[inline(always)]
             fn any_less(self, bound: Self) -> bool {
                 self < bound
             }
             #[inline(always)]
             fn select_from(self, table: &[$t; 16]) -> Self {
                 table[self as usize & 15]
+            }
+            #[inline(always)]
+            fn transpose_in(from: &[$t], _stride: usize, to: &mut [Block<$t>], part: usize) {
+                to[0].0[part] = from[0];
+            }
+            #[inline(always)]
+            fn transpose_out(from: &[Block<$t>], part: usize, to: &mut [$t], _stride: usize) {
+                to[0] = from[0].0[part];
             }
         }
     };
