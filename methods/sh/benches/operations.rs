@@ -102,7 +102,9 @@ fn many<T: Real>(criterion: &mut Criterion, batch: Batch) {
     run("zonal rotation", &mut || batch.rotate_zonal(black_box(&zonal), &directions, &mut out));
     out.fill(Block::ZERO);
     let none = vec![Block::ZERO; zonal.len()];
-    run("zonal rotation, added", &mut || batch.sum_zonal(black_box(&none), &directions, &mut out[..coefficients(order)]));
+    run("zonal rotation, added", &mut || {
+        batch.sum_zonal(black_box(&none), &directions, &mut out[..coefficients(order)])
+    });
     let rotation = Rotation::new(order, TURN);
     run("general rotation", &mut || batch.rotate(&rotation, black_box(&a), &mut out));
     let angles = vec![[0.6, 0.8].map(|x| Block::splat(T::from_f64(x))); VECTORS / LANES];

@@ -13,28 +13,28 @@ use crate::vector::{convert, distance, norm};
 pub(crate) type Single<T> = fn(&mut ExpWorkspace<T>, &[T], &mut [T]) -> Work;
 type Batched<T> = fn(&mut BatchExp<T>, &[Block<T>], &mut [Block<T>], &mut [Work]);
 
-/// A variant, for one vector and, if there is such code, for batches.
-type Variant<T> = (&'static Operation, Single<T>, Option<Batched<T>>);
+/// A variant, for one vector and for batches.
+type Variant<T> = (&'static Operation, Single<T>, Batched<T>);
 
 /// Every variant.
 pub(crate) fn variants<T: Real>() -> [Variant<T>; 7] {
     const RULE: fn() -> SquaringRule = SquaringRule::default;
     [
-        (&PS_8, |e, f, out| e.product_series(8, f, out), None),
-        (&PS_21, |e, f, out| e.product_series(21, f, out), None),
+        (&PS_8, |e, f, out| e.product_series(8, f, out), |e, f, out, work| e.product_series(8, f, out, work)),
+        (&PS_21, |e, f, out| e.product_series(21, f, out), |e, f, out, work| e.product_series(21, f, out, work)),
         (
             &SCALED_2,
             |e, f, out| e.scaled_series(2, RULE(), f, out),
-            Some(|e, f, out, work| e.scaled_series(2, RULE(), f, out, work)),
+            |e, f, out, work| e.scaled_series(2, RULE(), f, out, work),
         ),
         (
             &SCALED_5,
             |e, f, out| e.scaled_series(5, RULE(), f, out),
-            Some(|e, f, out, work| e.scaled_series(5, RULE(), f, out, work)),
+            |e, f, out, work| e.scaled_series(5, RULE(), f, out, work),
         ),
-        (&LINEAR, ExpWorkspace::optimal_linear, Some(BatchExp::optimal_linear)),
-        (&HYBRID, |e, f, out| e.hybrid(RULE(), f, out), Some(|e, f, out, work| e.hybrid(RULE(), f, out, work))),
-        (&EIGEN, ExpWorkspace::eigen, Some(BatchExp::eigen)),
+        (&LINEAR, ExpWorkspace::optimal_linear, BatchExp::optimal_linear),
+        (&HYBRID, |e, f, out| e.hybrid(RULE(), f, out), |e, f, out, work| e.hybrid(RULE(), f, out, work)),
+        (&EIGEN, ExpWorkspace::eigen, BatchExp::eigen),
     ]
 }
 
@@ -53,7 +53,6 @@ pub(crate) fn measure<T: Real>(oracle: &Oracle, tally: &mut Tally) {
             };
             let errors: Vec<f64> = inputs.iter().zip(&series).map(&mut error).collect();
             tally.add::<T>(operation, "one", class, &errors);
-            let Some(batched) = batched else { continue };
             let mut out = blocks.clone();
             for (name, batch) in batches(order) {
                 batched(&mut BatchExp::new(batch), &blocks, &mut out, &mut vec![Work::default(); inputs.len()]);
