@@ -1,16 +1,17 @@
-//! Running a method on a scene: prepare once; for every frame update, evaluate and read; everything timed and counted.
+//! Running a method on a scene: prepare once; for every frame update, evaluate and read; for other settings retune as far as
+//! their phases allow; everything counted. Times are taken apart, side by side with other methods (`rounds.rs`).
 //!
-//! **What is timed.** `prepare` is run twice and the second time taken: the first makes derived data (sphere sets, lights in
-//! SH), whose build time is charged apart. `update` is timed at its first call for a frame, for a second would find nothing
-//! to do. `shade` (one `evaluate`) and `read` are timed over a number of repeats after one to warm up. Counters are those of
-//! one `prepare`, `update`, `evaluate` and `read`.
+//! **What is shared.** A phase that was carried out for another cell and serves this one too (`prepare` of the same scene, or
+//! `update` of the same frame where only parameters of `evaluate` differ) is not carried out again; this cell names the
+//! other. Counters and derived data are those that a cell by itself would have.
 //!
 //! An error or a panic of the method ends the frame at hand, not the program; the next frame is prepared anew.
 
 use crate::recorder::{Recorded, Recorder, Steps};
 use halflight_contract::{Backend, Cache, Job, Meter, Method, Output, Params, Prepared, Quantity};
-use halflight_results::{Phase, Storage};
+use halflight_results::{Key, Phase, Storage};
 use halflight_scenes::{Frame, Rgb, Scene};
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// A method to run on a scene.
@@ -21,8 +22,6 @@ pub(crate) struct Task<'a> {
     pub(crate) quantity: Quantity,
     pub(crate) backend: Backend,
     pub(crate) seed: u64,
-    /// Timed evaluations a frame, after one to warm up; 0 for a result without times.
-    pub(crate) repeats: usize,
     pub(crate) cache: &'a Cache,
 }
 
@@ -31,15 +30,36 @@ pub(crate) struct Shaded {
     pub(crate) radiance: Vec<Rgb>,
     pub(crate) recorded: Recorded,
     pub(crate) footprint: Vec<Storage>,
+    /// Phases that were carried out for another cell, by name, and that cell.
+    pub(crate) shared: BTreeMap<String, Key>,
 }
 
-/// A method made ready, with what `prepare` left in the meter.
-struct Ready<'s> {
-    method: Box<dyn Prepared + 's>,
-    recorded: Recorded,
+/// A method made ready.
+pub(crate) struct Ready<'s> {
+    pub(crate) method: Box<dyn Prepared + 's>,
+    pub(crate) prepared: Done,
+    /// The frame that it stands at.
+    updated: Option<(usize, Done)>,
 }
 
-/// The state of a task between its frames.
+/// A phase that was carried out, what it left in the meter, and the cell that it was carried out for.
+pub(crate) struct Done {
+    phase: Phase,
+    pub(crate) recorded: Recorded,
+    cell: Key,
+}
+
+impl Done {
+    /// Adds to a cell's record what the phase left, and whose it was if not this cell's.
+    fn serve(&self, cell: &Key, recorded: &mut Recorded, shared: &mut BTreeMap<String, Key>) {
+        recorded.add(self.recorded.clone());
+        if self.cell != *cell {
+            shared.insert(self.phase.name().to_owned(), self.cell.clone());
+        }
+    }
+}
+
+/// The state of a task between its frames and settings.
 pub(crate) struct Runner<'a> {
     task: Task<'a>,
     ready: Option<Ready<'a>>,
@@ -50,15 +70,28 @@ impl<'a> Runner<'a> {
         Self { task, ready: None }
     }
 
-    /// Shades one frame; a failure says in words what went wrong.
-    pub(crate) fn shade(&mut self, frame: &Frame, steps: &mut Steps<'_>) -> Result<Shaded, String> {
+    /// Goes over to other parameters of the method: what is ready is retuned where their phases allow, or else given up.
+    pub(crate) fn tune(&mut self, params: &'a Params) {
+        let before = std::mem::replace(&mut self.task.params, params);
+        let Some(phase) = params.first_change(before, self.task.method.info().params) else { return };
+        let Some(mut ready) = self.ready.take().filter(|_| phase > halflight_contract::Phase::Prepare) else { return };
+        let retune = || ready.method.retune(params).map_err(text).map(|()| ready);
+        // A method that cannot be retuned after all is prepared.
+        self.ready = guarded(retune).ok().map(|ready| Ready {
+            updated: ready.updated.filter(|_| phase == halflight_contract::Phase::Evaluate),
+            ..ready
+        });
+    }
+
+    /// Shades one frame as a cell; a failure says in words what went wrong.
+    pub(crate) fn shade(&mut self, frame: &Frame, cell: &Key, steps: &mut Steps<'_>) -> Result<Shaded, String> {
         let ready = self.ready.take();
         let work = || {
             let mut ready = match ready {
                 Some(ready) => ready,
-                None => prepare(&self.task, steps)?,
+                None => prepare_once(&self.task, cell, steps)?,
             };
-            let shaded = shade(&self.task, &mut ready, frame, steps)?;
+            let shaded = shade(&self.task, &mut ready, frame, cell, steps)?;
             Ok((shaded, ready))
         };
         let (shaded, ready) = guarded(work)?;
@@ -66,11 +99,17 @@ impl<'a> Runner<'a> {
         Ok(shaded)
     }
 
+    /// Shades one frame for its picture alone.
+    pub(crate) fn picture(&mut self, frame: &Frame, steps: &mut Steps<'_>) -> Result<Shaded, String> {
+        self.shade(frame, &Key::of_bytes(b"no cell"), steps)
+    }
+
     /// Coefficients of visibility at the receivers of a frame that was shaded last, `order²` a receiver.
     pub(crate) fn visibility(&mut self, frame: &Frame, order: u8, steps: &mut Steps<'_>) -> Result<Vec<f32>, String> {
         let Some(ready) = &mut self.ready else { return Err("expected a shaded frame first".into()) };
         let quantity = Quantity::Visibility { order };
         let mut meter = Recorder::new(steps);
+        ready.updated = None;
         guarded(|| {
             let mut out = vec![f32::NAN; frame.receivers.len() * quantity.channels()];
             let prepared = &mut ready.method;
@@ -85,49 +124,68 @@ impl<'a> Runner<'a> {
     }
 }
 
-fn prepare<'s>(task: &Task<'s>, steps: &mut Steps<'_>) -> Result<Ready<'s>, String> {
-    if task.repeats > 0 {
-        prepare_once(task, steps)?;
-    }
-    prepare_once(task, steps)
-}
-
 /// With a job of its own, since a job charges each piece of derived data once.
-fn prepare_once<'s>(task: &Task<'s>, steps: &mut Steps<'_>) -> Result<Ready<'s>, String> {
+pub(crate) fn prepare_once<'s>(task: &Task<'s>, cell: &Key, steps: &mut Steps<'_>) -> Result<Ready<'s>, String> {
     let job = Job::new(task.scene, task.params, task.seed, task.backend, task.cache);
-    let mut recorder = Recorder::new(steps);
-    let mut recorded = Recorded::default();
-    let work = |meter: &mut dyn Meter| task.method.prepare(&job, meter);
-    let method = recorder.phase(&mut recorded, Phase::Prepare, Phase::Prepare.name(), work).map_err(text)?;
-    recorder.settle(&mut recorded);
-    Ok(Ready { method, recorded })
+    let (method, prepared) = carry_out(Phase::Prepare, cell, steps, |meter| task.method.prepare(&job, meter))?;
+    Ok(Ready { method, prepared, updated: None })
 }
 
-fn shade(task: &Task<'_>, ready: &mut Ready<'_>, frame: &Frame, steps: &mut Steps<'_>) -> Result<Shaded, String> {
-    let mut recorder = Recorder::new(steps);
-    let mut recorded = ready.recorded.clone();
-    let mut radiance = vec![Rgb::NAN; frame.receivers.len()];
-    let method = &mut ready.method;
-    recorder
-        .phase(&mut recorded, Phase::Update, Phase::Update.name(), |meter| method.update(frame, meter))
-        .map_err(text)?;
-
-    let mut warm_up = Recorded::default();
-    evaluate(task, method.as_mut(), frame, &mut recorder, &mut warm_up, &mut radiance)?;
+/// Carries out a whole phase for a cell.
+fn carry_out<T>(
+    phase: Phase,
+    cell: &Key,
+    steps: &mut Steps<'_>,
+    work: impl FnOnce(&mut dyn Meter) -> halflight_contract::Result<T>,
+) -> Result<(T, Done), String> {
+    let (mut recorder, mut recorded) = (Recorder::new(steps), Recorded::default());
+    let result = recorder.phase(&mut recorded, phase, phase.name(), work).map_err(text)?;
     recorder.settle(&mut recorded);
-    for _ in 0..task.repeats {
-        evaluate(task, method.as_mut(), frame, &mut recorder, &mut recorded, &mut radiance)?;
-    }
-    recorder.forget();
+    Ok((result, Done { phase, recorded, cell: cell.clone() }))
+}
+
+fn shade(
+    task: &Task<'_>,
+    ready: &mut Ready<'_>,
+    frame: &Frame,
+    cell: &Key,
+    steps: &mut Steps<'_>,
+) -> Result<Shaded, String> {
+    let method = &mut ready.method;
+    let updated = match ready.updated.take().filter(|(index, _)| *index == frame.index) {
+        Some((_, updated)) => updated,
+        None => carry_out(Phase::Update, cell, steps, |meter| method.update(frame, meter))?.1,
+    };
+    let (mut recorded, mut shared) = (Recorded::default(), BTreeMap::new());
+    ready.prepared.serve(cell, &mut recorded, &mut shared);
+    updated.serve(cell, &mut recorded, &mut shared);
+    ready.updated = Some((frame.index, updated));
+
+    let mut recorder = Recorder::new(steps);
+    let mut radiance = vec![Rgb::NAN; frame.receivers.len()];
+    evaluate(task, method.as_mut(), frame, &mut recorder, &mut recorded, &mut radiance)?;
+    recorder.settle(&mut recorded);
     match radiance.iter().position(|value| !value.is_finite()) {
         Some(receiver) => {
             Err(format!("radiance at receiver {receiver} is {}, expected finite values", radiance[receiver]))
         }
-        None => Ok(Shaded { radiance, recorded, footprint: footprint(method.as_ref()) }),
+        None => Ok(Shaded { radiance, recorded, footprint: footprint(method.as_ref()), shared }),
     }
 }
 
-fn evaluate(
+/// All that a moving scene forces, timed.
+pub(crate) fn update(
+    ready: &mut Ready<'_>,
+    frame: &Frame,
+    recorder: &mut Recorder<'_>,
+    recorded: &mut Recorded,
+) -> Result<(), String> {
+    let update = |meter: &mut dyn Meter| ready.method.update(frame, meter);
+    recorder.phase(recorded, Phase::Update, Phase::Update.name(), update).map_err(text)
+}
+
+/// One evaluation and reading its result, timed.
+pub(crate) fn evaluate(
     task: &Task<'_>,
     method: &mut dyn Prepared,
     frame: &Frame,

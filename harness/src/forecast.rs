@@ -1,6 +1,6 @@
 //! How long cells may take, from the runs that are in a store.
 
-use halflight_results::{Cell, Environment, Phase, Record, Run, Store};
+use halflight_results::{Cell, Environment, Phase, Record, Store, Times};
 use std::collections::HashMap;
 use std::ops::Add;
 
@@ -26,7 +26,8 @@ impl Forecast {
             _ => None,
         });
         for run in runs {
-            let seconds = seconds(run, repeats);
+            let Some(times) = store.times(&run.cell.key()) else { continue };
+            let seconds = seconds(times, repeats);
             for kin in kin(&run.cell) {
                 let mean = forecast.times.entry(kin).or_default();
                 (mean.sum, mean.count) = (mean.sum + seconds, mean.count + 1);
@@ -100,48 +101,51 @@ fn kin(cell: &Cell) -> [Vec<String>; 3] {
     ]
 }
 
-/// A cell's time with so many repeats: `prepare` is run twice, `update` once, the rest once more than is timed.
-fn seconds(run: &Run, repeats: usize) -> f64 {
+/// A cell's time with so many repeats: all is done once for the picture, once to be timed, and the rest again for each repeat.
+fn seconds(times: &Times, repeats: usize) -> f64 {
     let median = |name: &str| {
-        let samples = run.phases.get(name).map_or(&[][..], |timing| &timing.nanoseconds);
+        let samples = times.phases.get(name).map_or(&[][..], |timing| &timing.nanoseconds);
         halflight_metrics::median(samples).unwrap_or(0.0)
     };
-    let once = 2.0 * median(Phase::Prepare.name()) + median(Phase::Update.name());
-    (once + (repeats as f64 + 1.0) * (median(Phase::Shade.name()) + median("read"))) * 1e-9
+    let twice = 2.0 * (median(Phase::Prepare.name()) + median(Phase::Update.name()));
+    (twice + (repeats as f64 + 2.0) * (median(Phase::Shade.name()) + median("read"))) * 1e-9
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use halflight_results::Timing;
+    use halflight_results::{Calibration, Run, Timing};
 
     fn cell(scene: &str, method: &str, order: u32, seed: u64) -> Cell {
         let params = [("order".to_owned(), order.into())].into();
         Cell { scene_hash: scene.into(), method: method.into(), params, seed, ..Cell::default() }
     }
 
-    fn run(cell: Cell, shade: f64) -> Record {
+    /// A run with its times.
+    fn run(store: &mut Store, cell: Cell, shade: f64) {
         let timing = |phase, seconds: f64| Timing { phase, nanoseconds: vec![seconds * 1e9; 3] };
         let (prepare, shade) = (timing(Phase::Prepare, 1.0), timing(Phase::Shade, shade));
         let phases = [("prepare".to_owned(), prepare), ("shade".to_owned(), shade)].into();
-        Record::Run(Box::new(Run { cell, phases, ..Run::default() }))
+        let times = Times { run: cell.key(), taken: 0, beside: 1, phases, calibration: Calibration::default() };
+        store.append(Record::Run(Box::new(Run { cell, ..Run::default() }))).unwrap();
+        store.append(Record::Times(Box::new(times))).unwrap();
     }
 
     #[test]
     fn the_nearest_kin_tell() {
         let dir = tempfile::tempdir().unwrap();
         let mut store = Store::open(dir.path()).unwrap();
-        store.append(run(cell("s", "a", 3, 1), 1.0)).unwrap();
-        store.append(run(cell("s", "a", 5, 1), 3.0)).unwrap();
-        store.append(run(cell("t", "a", 5, 1), 8.0)).unwrap();
+        run(&mut store, cell("s", "a", 3, 1), 1.0);
+        run(&mut store, cell("s", "a", 5, 1), 3.0);
+        run(&mut store, cell("t", "a", 5, 1), 8.0);
         let forecast = Forecast::new(&store, &Environment::default(), 1);
-        // Twice to prepare; shaded twice, once to warm up.
-        assert_eq!(forecast.seconds(&cell("s", "a", 3, 2)), Some(4.0));
-        assert_eq!(forecast.seconds(&cell("s", "a", 4, 1)), Some((4.0 + 8.0) / 2.0));
-        assert_eq!(forecast.seconds(&cell("u", "a", 4, 1)), Some((4.0 + 8.0 + 18.0) / 3.0));
+        // Twice to prepare; shaded thrice: for the picture, to warm up, timed.
+        assert_eq!(forecast.seconds(&cell("s", "a", 3, 2)), Some(5.0));
+        assert_eq!(forecast.seconds(&cell("s", "a", 4, 1)), Some((5.0 + 11.0) / 2.0));
+        assert_eq!(forecast.seconds(&cell("u", "a", 4, 1)), Some((5.0 + 11.0 + 26.0) / 3.0));
         assert_eq!(forecast.seconds(&cell("s", "b", 3, 1)), None);
         let both = [cell("s", "a", 3, 2), cell("s", "b", 3, 1)];
-        assert_eq!(forecast.sum(both.iter()), Expected { seconds: 4.0, unknown: 1 });
+        assert_eq!(forecast.sum(both.iter()), Expected { seconds: 5.0, unknown: 1 });
         let elsewhere = Environment { cpu: "another".into(), ..Environment::default() };
         assert_eq!(Forecast::new(&store, &elsewhere, 1).seconds(&cell("s", "a", 3, 1)), None);
     }

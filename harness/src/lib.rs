@@ -7,7 +7,8 @@
 //! |---|---|---|
 //! | select | `select.rs`, `suite.rs`, `settings.rs` | command line or suite file → entries |
 //! | plan | `plan.rs`, `judge.rs` | entries → cells, each run, cached or skipped with its reason |
-//! | execute | `execute.rs`, `recorder.rs` | cell → picture, times, counters, memory |
+//! | execute | `execute.rs`, `recorder.rs` | cell → picture, counters, memory |
+//! | time | `run/timing.rs`, `rounds.rs`, `calibrate.rs` | cells → their times, side by side |
 //! | score | `score.rs` | picture and reference → error measures |
 //! | table | `table.rs` | a store → rows of a CSV or Parquet file |
 //! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
@@ -32,6 +33,7 @@
 //! ```
 
 mod budget;
+mod calibrate;
 pub mod cli;
 mod crosscheck;
 mod environment;
@@ -48,7 +50,9 @@ mod progress;
 mod recorder;
 pub mod refs;
 mod rescore;
+mod rounds;
 mod run;
+pub mod scaling;
 mod score;
 mod select;
 mod settings;
@@ -68,6 +72,6 @@ pub use probe::{Answers, Question, Source, probe};
 pub use rescore::{Rescored, rescore};
 pub use run::{Options, Summary, run};
 pub use select::{DEFAULT_SUITE, Selection};
-pub use settings::Setting;
+pub use settings::{Series, Setting};
 pub use suite::{DEFAULT_REFERENCES, Entry, Suite};
 pub use table::{COLUMNS, Column, Table, Values};

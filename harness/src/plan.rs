@@ -4,7 +4,7 @@
 use crate::settings::{Setting, grid};
 use crate::suite::Entry;
 use crate::{Error, judge};
-use halflight_contract::{Backend, Method, Params, Quantity, Request, Support, Value};
+use halflight_contract::{Backend, Method, Params, Phase, Quantity, Request, Support, Value};
 use halflight_references::Reference;
 use halflight_results::{Cell, Key, Record, Run, Store};
 use halflight_scenes::{Frame, Scene};
@@ -37,7 +37,8 @@ pub struct Stage {
     pub frames: Vec<Frame>,
 }
 
-/// The cells that share one `prepare`: a method with its parameters on all frames of a scene.
+/// A method with its parameters on all frames of a scene.
+#[derive(Clone)]
 pub struct Group {
     /// Index into [`Plan::scenes`].
     pub scene: usize,
@@ -49,6 +50,8 @@ pub struct Group {
     pub quantity: Quantity,
     /// Where.
     pub backend: Backend,
+    /// Threads that times are taken on; those of all other work if nothing is said.
+    pub threads: Option<usize>,
     /// The method's answer to the request.
     pub support: Support,
     /// One cell a frame.
@@ -64,6 +67,8 @@ pub struct Group {
 pub enum State {
     /// It is run.
     Run,
+    /// Its picture is in the store, its times are to be taken.
+    Time,
     /// Its result is in the store.
     Cached,
     /// The method does not serve it, for this reason.
@@ -76,8 +81,19 @@ impl Group {
         let defaults = Params::defaults(self.method.info().params);
         let usual: HashMap<_, _> = defaults.iter().collect();
         let set = self.params.iter().filter(|(name, value)| usual[name] != *value || *name == "order");
-        let set: String = set.map(|(name, value)| format!(" {name}={value}")).collect();
+        let mut set: String = set.map(|(name, value)| format!(" {name}={value}")).collect();
+        if let Some(threads) = self.threads {
+            set += &format!(" on {threads} threads");
+        }
         format!("{} · {}{set}", plan.scenes[self.scene].scene.name, self.method.info().id)
+    }
+
+    /// All that decides what is prepared: where it is equal, one group may be retuned to another.
+    pub(crate) fn preparation(&self) -> (usize, &'static str, Quantity, Backend, Vec<String>) {
+        let info = self.method.info();
+        let fixed = |name: &str| info.params.iter().any(|spec| spec.name == name && spec.phase == Phase::Prepare);
+        let values = self.params.iter().filter(|(name, _)| fixed(name)).map(|(_, value)| value.to_string());
+        (self.scene, info.id, self.quantity, self.backend, values.collect())
     }
 
     /// What is to be done about one of the group's cells.
@@ -86,7 +102,10 @@ impl Group {
             (Support::Skip(why), _) => State::Skip(why.clone()),
             _ if self.empty.contains(&cell.frame) => State::Skip(format!("frame {} has no receiver", cell.frame)),
             // A failure is tried again: its cause may have lain outside the key, such as a full disk.
-            (_, Some(Record::Run(run))) if has_picture(run, store) => State::Cached,
+            (_, Some(Record::Run(run))) if has_picture(run, store) => {
+                let timed = cell.timed_on.is_none() || store.times(&cell.key()).is_some();
+                if timed { State::Cached } else { State::Time }
+            }
             _ => State::Run,
         }
     }
@@ -124,9 +143,26 @@ impl Plan {
                 }
             }
         }
-        // Stable: within a scene, the order of the entries. A scene's derived data are let go before the next one's.
-        plan.groups.sort_by_key(|group| group.scene);
+        // Stable: within a scene, the order of the entries but for what one `prepare` serves, which goes in a row. A scene's
+        // derived data are let go before the next one's.
+        let mut first = HashMap::new();
+        for (place, group) in plan.groups.iter().enumerate() {
+            first.entry(group.preparation()).or_insert(place);
+        }
+        plan.groups.sort_by_key(|group| (group.scene, first[&group.preparation()]));
         Ok(plan)
+    }
+
+    /// The same work once for each number of threads; `class` says what times taken on so many hold for.
+    #[must_use]
+    pub fn on_threads(mut self, counts: &[usize], class: impl Fn(usize) -> String) -> Self {
+        let on = |group: &Group, threads: usize| {
+            let timed_on = |cell: &Cell| Cell { timed_on: Some(class(threads)), ..cell.clone() };
+            Group { threads: Some(threads), cells: group.cells.iter().map(timed_on).collect(), ..group.clone() }
+        };
+        // Side by side, so that they are timed side by side.
+        self.groups = self.groups.iter().flat_map(|group| counts.iter().map(move |n| on(group, *n))).collect();
+        self
     }
 
     /// Every cell with its group.
@@ -175,6 +211,7 @@ impl Plan {
             params: params.clone(),
             quantity,
             backend,
+            threads: None,
             support: method.supports(&content.facts(), &Request { quantity, backend, params }),
             cells: frames.iter().map(cell).collect(),
             empty: frames.iter().filter(|f| !f.receivers.valid.contains(&true)).map(|f| f.index as u32).collect(),
@@ -223,7 +260,8 @@ fn combinations(method: &'static dyn Method, set: &[Setting]) -> Result<Vec<Para
         Params::resolve(specs, point.iter().map(|(name, text)| (name.as_str(), text.as_str())))
             .map_err(|source| Error::Param { method: method.info().id, source })
     };
-    grid(&own).into_iter().map(resolve).collect()
+    let points = grid(&own, specs).map_err(|source| Error::Param { method: method.info().id, source })?;
+    points.into_iter().map(resolve).collect()
 }
 
 /// A registered method by its id.
@@ -234,12 +272,17 @@ pub(crate) fn method(id: &str) -> Result<&'static dyn Method, Error> {
 
 /// A method's parameters with these settings, each of one value.
 pub(crate) fn single(method: &'static dyn Method, set: &[Setting]) -> Result<Params, Error> {
-    if let Some(many) = set.iter().find(|s| s.values.len() != 1) {
-        let text = format!("{}={}", many.name, many.values.join(","));
+    let wrong = |source| Error::Param { method: method.info().id, source };
+    let points = grid(&set.iter().collect::<Vec<_>>(), method.info().params).map_err(wrong)?;
+    let [point] = points.as_slice() else {
+        let of = |s: &Setting| {
+            format!("{}={}", s.name, s.values.iter().map(ToString::to_string).collect::<Vec<_>>().join(","))
+        };
+        let text = set.iter().map(of).collect::<Vec<_>>().join(" --set ");
         return Err(Error::Setting { text, message: "expected one value here".into() });
-    }
-    let settings = set.iter().map(|s| (s.name.as_str(), s.values[0].as_str()));
-    Params::resolve(method.info().params, settings).map_err(|source| Error::Param { method: method.info().id, source })
+    };
+    let settings = point.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+    Params::resolve(method.info().params, settings).map_err(wrong)
 }
 
 fn has_picture(run: &Run, store: &Store) -> bool {

@@ -106,10 +106,10 @@ fn of_method(
     let failed = |error| Error::Other(format!("{id} failed on {}: {error}", scene.name));
     let cache = Cache::in_folder(&cache.join("derived"));
     let frame = scene.frame(question.frame);
-    let mut runner = Runner::new(Task { scene, method, params, quantity, backend, seed, repeats: 0, cache: &cache });
+    let mut runner = Runner::new(Task { scene, method, params, quantity, backend, seed, cache: &cache });
     let mut progress = Progress::new(1);
     let mut steps = |what: &str, done, total| progress.within(id, what, done, total);
-    let shaded = runner.shade(&frame, &mut steps).map_err(failed)?;
+    let shaded = runner.picture(&frame, &mut steps).map_err(failed)?;
 
     let order = order(params);
     let has = |order: &u8| !matches!(serves(Quantity::Visibility { order: *order }), Support::Skip(_));

@@ -85,7 +85,12 @@ impl Progress {
 
     /// The present step has ended.
     pub(crate) fn end(&mut self, label: &str, outcome: &str) {
-        self.finished += 1;
+        self.end_of(1, label, outcome);
+    }
+
+    /// So many steps, done together, have ended.
+    pub(crate) fn end_of(&mut self, steps: usize, label: &str, outcome: &str) {
+        self.finished += steps;
         let line = format!(
             "[{}/{}] {label} … {outcome}, {:.2} s",
             self.finished,
@@ -95,7 +100,7 @@ impl Progress {
         match &self.bar {
             Some(bar) => {
                 bar.println(line);
-                bar.inc(1);
+                bar.inc(steps as u64);
             }
             None if self.quiet => {}
             None => eprintln!("{line}"),

@@ -61,15 +61,23 @@ impl<'p> Recorder<'p> {
             *recorded.derived.entry(name).or_default() += nanoseconds;
         }
     }
-
-    /// Forgets the counters and derived data met so far: repeats do the same work again.
-    pub(crate) fn forget(&mut self) {
-        self.counters.clear();
-        self.derived.clear();
-    }
 }
 
 impl Recorded {
+    /// Takes in what was recorded elsewhere.
+    pub(crate) fn add(&mut self, more: Recorded) {
+        for (name, timing) in more.phases {
+            let held = self.phases.entry(name).or_insert(Timing { phase: timing.phase, nanoseconds: Vec::new() });
+            held.nanoseconds.extend(timing.nanoseconds);
+        }
+        for (name, amount) in more.counters {
+            *self.counters.entry(name).or_default() += amount;
+        }
+        for (name, nanoseconds) in more.derived {
+            *self.derived.entry(name).or_default() += nanoseconds;
+        }
+    }
+
     fn time(&mut self, phase: Phase, name: String, nanoseconds: f64) {
         let timing = self.phases.entry(name).or_insert(Timing { phase, nanoseconds: Vec::new() });
         timing.nanoseconds.push(nanoseconds);

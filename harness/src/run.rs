@@ -4,7 +4,10 @@
 //! Several processes on one store share the work: each claims the cell or reference that it is about to make, and leaves
 //! what another has claimed for last.
 
+mod timing;
+
 use crate::Error;
+use crate::calibrate::Calibrator;
 use crate::execute::{Runner, Shaded, Task};
 use crate::forecast::Forecast;
 use crate::plan::{Group, Plan, Stage, State};
@@ -16,8 +19,11 @@ use halflight_contract::{Cache, Support};
 use halflight_references::{Quality, ReferenceStore, Request};
 use halflight_results::{Cell, Environment, Failure, Key, Record, Run, Skip, Store, StoreError};
 use halflight_scenes::{Frame, Scene};
+use rayon::ThreadPool;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use timing::Planned;
 
 /// How a plan is carried out; none of it is part of a cell's key.
 #[derive(Clone, Debug)]
@@ -36,10 +42,10 @@ pub struct Options {
 }
 
 impl Options {
-    /// Timed evaluations a cell where nothing else is said.
-    pub const REPEATS: usize = 5;
+    /// Timed evaluations a cell where nothing else is said: the fewest whose median has an interval of 95%.
+    pub const REPEATS: usize = 6;
 
-    /// Five repeats, references of the default quality, progress shown, no budget.
+    /// Six repeats, references of the default quality, progress shown, no budget.
     pub fn new(cache: impl Into<PathBuf>) -> Self {
         Self {
             cache: cache.into(),
@@ -60,6 +66,8 @@ pub struct Summary {
     pub cached: usize,
     /// Cells that their method does not serve.
     pub skipped: usize,
+    /// Cells whose times were taken.
+    pub timed: usize,
     /// Cells that failed.
     pub failed: usize,
     /// Scores that were added.
@@ -83,14 +91,27 @@ pub fn run(plan: &Plan, store: &mut Store, options: &Options) -> Result<Summary,
     let of_scene = |scene: usize| plan.groups.iter().filter(move |group| group.scene == scene);
     let scenes: Vec<Todo<'_>> =
         (0..plan.scenes.len()).map(|scene| Todo::new(plan, scene, of_scene(scene), store, options)).collect();
-    let steps = scenes.iter().map(|todo| todo.cells.len() + todo.judgements.len()).sum();
+    let steps = scenes.iter().map(|todo| todo.cells.len() + todo.untimed.len() + todo.judgements.len()).sum();
     let references = ReferenceStore::open(options.cache.join("references"))?;
     let progress = if options.show_progress { Progress::new(steps) } else { Progress::silent() };
     let environment = crate::environment();
     let forecast = Forecast::new(store, &environment, options.repeats);
+    let (pools, calibrator) = (timing::pools(plan)?, Calibrator::new());
     let left = scenes.iter().flat_map(|todo| &todo.cells).map(|(_, cell)| *cell).collect();
     let summary = Summary::default();
-    let mut running = Running { plan, store, options, references, environment, progress, forecast, left, summary };
+    let mut running = Running {
+        plan,
+        store,
+        options,
+        references,
+        environment,
+        progress,
+        forecast,
+        left,
+        summary,
+        pools: &pools,
+        calibrator: &calibrator,
+    };
     running.tell_expected();
     match options.budget {
         None => scenes.iter().try_for_each(|todo| running.scene(todo))?,
@@ -105,6 +126,8 @@ struct Todo<'p> {
     frames: &'p [Frame],
     /// Cells to run, those of a group in a row.
     cells: Vec<(&'p Group, &'p Cell)>,
+    /// Cells whose times are to be taken, those of a group in a row.
+    untimed: Vec<Planned<'p>>,
     /// Cells that are skipped, with the reason.
     skipped: Vec<(&'p Cell, String)>,
     cached: usize,
@@ -121,12 +144,16 @@ impl<'p> Todo<'p> {
         options: &Options,
     ) -> Self {
         let Stage { scene, frames } = &plan.scenes[index];
-        let (cells, skipped, judgements) = (Vec::new(), Vec::new(), Vec::new());
-        let mut todo = Self { scene, frames, cells, skipped, cached: 0, judgements };
+        let (cells, untimed, skipped, judgements) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut todo = Self { scene, frames, cells, untimed, skipped, cached: 0, judgements };
         for (group, cell) in groups.flat_map(|group| group.cells.iter().map(move |cell| (group, cell))) {
-            match group.state(cell, store) {
+            let state = group.state(cell, store);
+            if matches!(state, State::Run | State::Time) && cell.timed_on.is_some() {
+                todo.untimed.push((group, cell));
+            }
+            match state {
                 State::Run => todo.cells.push((group, cell)),
-                State::Cached => todo.cached += 1,
+                State::Time | State::Cached => todo.cached += 1,
                 State::Skip(why) => {
                     todo.skipped.push((cell, why));
                     continue;
@@ -138,7 +165,7 @@ impl<'p> Todo<'p> {
     }
 
     fn is_work(&self) -> bool {
-        !self.cells.is_empty() || !self.judgements.is_empty()
+        !self.cells.is_empty() || !self.untimed.is_empty() || !self.judgements.is_empty()
     }
 
     /// Notes the references that a cell lacks a score against.
@@ -180,6 +207,9 @@ struct Running<'r> {
     /// Cells that are still to be run.
     left: Vec<&'r Cell>,
     summary: Summary,
+    /// For groups that are timed on other threads than all else is done on.
+    pools: &'r BTreeMap<usize, ThreadPool>,
+    calibrator: &'r Calibrator,
 }
 
 impl<'r> Running<'r> {
@@ -211,13 +241,9 @@ impl<'r> Running<'r> {
         }
         // Of this scene alone: its derived data are let go when it is done. What is costly lies in the folder.
         let cache = Cache::in_folder(&self.options.cache.join("derived"));
-        let mut elsewhere = Vec::new();
-        for cells in todo.cells.chunk_by(|(a, _), (b, _)| std::ptr::eq(*a, *b)) {
-            elsewhere.extend(self.group(todo, cells, &cache, false)?);
-        }
-        for cells in elsewhere.chunk_by(|(a, _), (b, _)| std::ptr::eq(*a, *b)) {
-            self.group(todo, cells, &cache, true)?;
-        }
+        let elsewhere = self.cells(todo, &todo.cells, &cache, false)?;
+        self.cells(todo, &elsewhere, &cache, true)?;
+        self.times(todo, &cache)?;
         let (references, quality) = (self.references.clone(), &self.options.quality);
         let with = With { references: &references, quality, seed: self.plan.seed, cache: &cache };
         let mut elsewhere = Vec::new();
@@ -240,8 +266,13 @@ impl<'r> Running<'r> {
         if self.store.outcome(&cell.key()) == Some(&record) { Ok(()) } else { self.append(record) }
     }
 
-    /// Runs cells that share one `prepare`, and returns those that another process runs unless `waiting` for it.
-    fn group<'p>(
+    fn task<'a>(&self, todo: &Todo<'a>, group: &'a Group, cache: &'a Cache) -> Task<'a> {
+        let Group { method, ref params, quantity, backend, .. } = *group;
+        Task { scene: todo.scene, method, params, quantity, backend, seed: self.plan.seed, cache }
+    }
+
+    /// Runs cells, and returns those that another process runs unless `waiting` for it.
+    fn cells<'p>(
         &mut self,
         todo: &Todo<'_>,
         cells: &[(&'p Group, &'p Cell)],
@@ -249,17 +280,23 @@ impl<'r> Running<'r> {
         waiting: bool,
     ) -> Result<Vec<(&'p Group, &'p Cell)>, StoreError> {
         let mut elsewhere = Vec::new();
-        let Some((group, _)) = cells.first() else { return Ok(elsewhere) };
-        let mut runner = Runner::new(Task {
-            scene: todo.scene,
-            method: group.method,
-            params: &group.params,
-            quantity: group.quantity,
-            backend: group.backend,
-            seed: self.plan.seed,
-            repeats: self.options.repeats,
-            cache,
-        });
+        for prepared in cells.chunk_by(|(a, _), (b, _)| a.preparation() == b.preparation()) {
+            let Some((group, _)) = prepared.first() else { continue };
+            let mut runner = Runner::new(self.task(todo, group, cache));
+            elsewhere.extend(self.prepared(todo, prepared, &mut runner, waiting)?);
+        }
+        Ok(elsewhere)
+    }
+
+    /// As [`Running::cells`], of cells that share one `prepare`.
+    fn prepared<'c, 'p: 'c>(
+        &mut self,
+        todo: &Todo<'_>,
+        cells: &[(&'p Group, &'p Cell)],
+        runner: &mut Runner<'c>,
+        waiting: bool,
+    ) -> Result<Vec<(&'p Group, &'p Cell)>, StoreError> {
+        let mut elsewhere = Vec::new();
         for &(group, cell) in cells {
             let key = cell.key();
             let claim = if waiting { Some(self.store.claim(&key)?) } else { self.store.try_claim(&key)? };
@@ -269,7 +306,7 @@ impl<'r> Running<'r> {
             };
             self.left.retain(|left| !std::ptr::eq(*left, cell));
             self.store.refresh()?;
-            if group.state(cell, self.store) == State::Cached {
+            if group.state(cell, self.store) != State::Run {
                 self.summary.cached += 1;
                 self.progress.pass();
                 continue;
@@ -282,7 +319,9 @@ impl<'r> Running<'r> {
             let left = self.forecast.sum(self.left.iter().copied());
             let shown = if left.seconds > 0.0 { format!("{label} · then {left}") } else { label.clone() };
             self.progress.begin(&shown);
-            let shaded = runner.shade(frame, &mut |what, done, total| self.progress.within(&shown, what, done, total));
+            runner.tune(&group.params);
+            let shaded =
+                runner.shade(frame, &key, &mut |what, done, total| self.progress.within(&shown, what, done, total));
             self.finish(group, cell, frame, shaded, &label)?;
         }
         Ok(elsewhere)
@@ -312,11 +351,14 @@ impl<'r> Running<'r> {
                 Support::Approximate(why) => Some(why.clone()),
                 _ => None,
             },
-            phases: shaded.recorded.phases,
+            shared: shaded.shared,
             derived: shaded.recorded.derived,
             counters: shaded.recorded.counters,
             footprint: shaded.footprint,
-            environment: self.environment.clone(),
+            environment: Environment {
+                threads: group.threads.unwrap_or(self.environment.threads),
+                ..self.environment.clone()
+            },
         };
         self.append(Record::Run(Box::new(run)))?;
         self.summary.ran += 1;

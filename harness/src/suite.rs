@@ -15,7 +15,7 @@
 //! once, against the references of all of them.
 
 use crate::Error;
-use crate::settings::{Setting, expand};
+use crate::settings::{Series, Setting, read};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -39,7 +39,7 @@ pub struct Entry {
     pub scenes: Vec<String>,
     /// Method ids.
     pub methods: Vec<String>,
-    /// Values by parameter; applied to those of the methods that declare the parameter.
+    /// Series by parameter; applied to those of the methods that declare the parameter.
     #[serde(default, deserialize_with = "settings")]
     pub set: Vec<Setting>,
     /// References to score against; all kinds if nothing is said.
@@ -51,8 +51,11 @@ pub struct Entry {
 }
 
 /// The suites that come with the program.
-pub(crate) const SHIPPED: [(&str, &str); 2] =
-    [("quick", include_str!("../suites/quick.toml")), ("gate", include_str!("../suites/gate.toml"))];
+pub(crate) const SHIPPED: [(&str, &str); 3] = [
+    ("quick", include_str!("../suites/quick.toml")),
+    ("gate", include_str!("../suites/gate.toml")),
+    ("scaling", include_str!("../suites/scaling.toml")),
+];
 
 impl Suite {
     /// A shipped suite by name, or the suite in the file of this path.
@@ -94,7 +97,8 @@ impl Suite {
 
 /// Whether a scene is named by the path of its file: shipped names have neither a separator nor an extension.
 fn is_path(scene: &str) -> bool {
-    scene.contains(std::path::is_separator) || scene.ends_with(".toml")
+    let whole = scene.split_once('@').map_or(scene, |(whole, _)| whole);
+    scene.contains(std::path::is_separator) || whole.ends_with(".toml")
 }
 
 /// TOML's own messages span several lines; what remains here is one with its place.
@@ -120,21 +124,21 @@ pub(crate) fn direct() -> Vec<String> {
 fn settings<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<Setting>, D::Error> {
     let table = BTreeMap::<String, toml::Value>::deserialize(deserializer)?;
     let one = |value: &toml::Value| match value {
-        toml::Value::String(text) => expand(text),
-        toml::Value::Integer(v) => Ok(vec![v.to_string()]),
-        toml::Value::Float(v) => Ok(vec![v.to_string()]),
-        toml::Value::Boolean(v) => Ok(vec![v.to_string()]),
+        toml::Value::String(text) => read(text),
+        toml::Value::Integer(v) => Ok(vec![Series::One(v.to_string())]),
+        toml::Value::Float(v) => Ok(vec![Series::One(v.to_string())]),
+        toml::Value::Boolean(v) => Ok(vec![Series::One(v.to_string())]),
         other => Err(format!("expected a text, number, switch or a list of these, found a {}", other.type_str())),
     };
     let all = |value: &toml::Value| match value {
         toml::Value::Array(values) => values.iter().map(one).collect::<Result<Vec<_>, _>>().map(|v| v.concat()),
         value => one(value),
     };
-    let read = |(name, value): (String, toml::Value)| match all(&value) {
+    let setting = |(name, value): (String, toml::Value)| match all(&value) {
         Ok(values) => Ok(Setting { name, values }),
         Err(message) => Err(serde::de::Error::custom(format!("set.{name}: {message}"))),
     };
-    table.into_iter().map(read).collect()
+    table.into_iter().map(setting).collect()
 }
 
 #[cfg(test)]
@@ -151,10 +155,11 @@ mod tests {
     #[test]
     fn settings_take_every_form() {
         let text = "about = ''\n[[entry]]\nscenes = ['a']\nmethods = ['b']\nreferences = []\n\
-                    set = { order = '2..3', p = [1, '4..5'], on = true, x = 0.5 }";
+                    set = { order = '2..3', p = [1, '4..5'], on = true, x = 0.5, y = 'log(1..8, 4), 7' }";
         let suite = Suite::parse("test", text).unwrap();
-        let found: Vec<_> = suite.entries[0].set.iter().map(|s| format!("{}={}", s.name, s.values.join(","))).collect();
-        assert_eq!(found, ["on=true", "order=2,3", "p=1,4,5", "x=0.5"]);
+        let one = |s: &Setting| format!("{}={}", s.name, s.values.iter().map(|v| format!("{v};")).collect::<String>());
+        let found: Vec<_> = suite.entries[0].set.iter().map(one).collect();
+        assert_eq!(found, ["on=true;", "order=2..3;", "p=1;4..5;", "x=0.5;", "y=log(1..8,4);7;"]);
     }
 
     #[test]

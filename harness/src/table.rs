@@ -5,13 +5,13 @@ mod csv;
 mod parquet;
 
 use crate::rescore::newest;
-use halflight_metrics::median_interval;
-use halflight_results::{Cell, Environment, Record, Run, Score, Store};
+use halflight_metrics::{median, median_interval, outliers};
+use halflight_results::{Cell, Environment, Record, Run, Score, Store, Times};
 use std::collections::BTreeMap;
 
 /// The columns in their order, with what they hold. `NAME` stands for every name that the results have: of a parameter, an
 /// error measure, a span of time, a counter; where a row has none the column is empty.
-pub const COLUMNS: [(&str, &str); 41] = [
+pub const COLUMNS: [(&str, &str); 46] = [
     ("kind", "run, skip or failure"),
     ("why", "the reason of a skip, or the error of a failure"),
     ("scene", "the scene's name or path"),
@@ -29,9 +29,14 @@ pub const COLUMNS: [(&str, &str); 41] = [
     ("score_receivers", "receivers that were compared"),
     ("score_version", "version of the error measures"),
     ("time_NAME_median_ns", "median wall time of a phase or of a span within it, nanoseconds"),
-    ("time_NAME_low_ns", "lower end of the median's 95% bootstrap interval, nanoseconds"),
-    ("time_NAME_high_ns", "upper end of the median's 95% bootstrap interval, nanoseconds"),
+    ("time_NAME_low_ns", "lower end of the median's 95% interval, nanoseconds"),
+    ("time_NAME_high_ns", "upper end of the median's 95% interval, nanoseconds"),
     ("time_NAME_samples", "how many times it was timed"),
+    ("time_NAME_outliers", "samples far from the others; they are among the samples, for a median bears them"),
+    ("calibration_NAME_ns", "median time of fixed work done beside each sample, nanoseconds: compute, memory"),
+    ("taken", "when the times were taken, seconds since 1970-01-01 UTC"),
+    ("beside", "cells that were timed side by side, this one included"),
+    ("shared_NAME", "key of the cell for which this phase was carried out when the picture was made"),
     ("derived_ns", "time to build the derived data that were used, charged apart from the phases, nanoseconds"),
     ("count_NAME", "work done, skipped or guarded in one prepare, update, evaluate and read"),
     ("host_bytes", "main memory held after shading, as the method counts it, bytes"),
@@ -98,10 +103,13 @@ impl Table {
             let mut row = Row::default();
             row.cell(cell);
             match outcome {
-                Record::Run(run) => row.run(run),
+                Record::Run(run) => {
+                    row.run(run);
+                    store.times(&cell.key()).into_iter().for_each(|times| row.times(times));
+                }
                 Record::Skip(skip) => row.absent("skip", &skip.reason),
                 Record::Failure(failure) => row.absent("failure", &failure.error),
-                Record::Score(_) | Record::CrossCheck(_) => {}
+                Record::Times(_) | Record::Score(_) | Record::CrossCheck(_) => {}
             }
             let scores = newest(store.scores(&cell.key()));
             rows.extend(scores.iter().map(|score| row.scored(score)));
@@ -199,12 +207,8 @@ impl Row {
         if let Some(approximate) = &run.approximate {
             self.text("approximate", approximate);
         }
-        for (name, timing) in &run.phases {
-            let Some(interval) = median_interval(&timing.nanoseconds) else { continue };
-            self.set("time_NAME_median_ns", name, Value::Real(interval.median));
-            self.set("time_NAME_low_ns", name, Value::Real(interval.low));
-            self.set("time_NAME_high_ns", name, Value::Real(interval.high));
-            self.set("time_NAME_samples", name, Value::Count(interval.count as u64));
+        for (phase, bearer) in &run.shared {
+            self.set("shared_NAME", phase, Value::Text(bearer.to_string()));
         }
         self.set("derived_ns", "", Value::Real(run.derived.values().sum()));
         self.text("derived", serde_json::json!(run.derived).to_string());
@@ -214,6 +218,25 @@ impl Row {
         self.count("host_bytes", run.footprint.iter().map(|storage| storage.host_bytes).sum());
         self.count("device_bytes", run.footprint.iter().map(|storage| storage.device_bytes).sum());
         self.environment(&run.environment);
+    }
+
+    fn times(&mut self, times: &Times) {
+        for (name, timing) in &times.phases {
+            let Some(interval) = median_interval(&timing.nanoseconds) else { continue };
+            self.set("time_NAME_median_ns", name, Value::Real(interval.median));
+            self.set("time_NAME_low_ns", name, Value::Real(interval.low));
+            self.set("time_NAME_high_ns", name, Value::Real(interval.high));
+            self.set("time_NAME_samples", name, Value::Count(interval.count as u64));
+            let far = outliers(&timing.nanoseconds).into_iter().filter(|far| *far).count();
+            self.set("time_NAME_outliers", name, Value::Count(far as u64));
+        }
+        self.count("taken", times.taken);
+        self.count("beside", times.beside as u64);
+        for (name, samples) in [("compute", &times.calibration.compute), ("memory", &times.calibration.memory)] {
+            if let Some(median) = median(samples) {
+                self.set("calibration_NAME_ns", name, Value::Real(median));
+            }
+        }
     }
 
     fn environment(&mut self, environment: &Environment) {

@@ -85,8 +85,8 @@ pub(crate) fn visibility(
     let job = Job::new(request.scene, &params, request.seed, Backend::Cpu, cache);
     let blockers = match request.reference.sphere_proxies() {
         Some((count, rule)) => {
-            let sets = halflight_proxies::sphere_sets(&job, count, meter)?;
-            let spheres = halflight_proxies::blockers(request.scene, request.frame, &sets).spheres;
+            let proxies = halflight_proxies::proxies(&job, count, meter)?;
+            let spheres = halflight_proxies::blockers(request.scene, request.frame, &proxies).spheres;
             Blockers::Spheres { spheres: Arc::new(spheres), rule }
         }
         None => Blockers::Traced(traced.clone()),

@@ -68,9 +68,10 @@ impl Request<'_> {
         let bits = |values: &[f32]| values.iter().map(|v| format!("{:08x}", v.to_bits())).collect::<String>();
         let (turn, shift) = (posed.pose.rotation.to_array(), posed.pose.translation.to_array());
         let reflects = object.casts && self.quantity != Quantity::Direct;
-        let albedo = if reflects { bits(&object.albedo.to_array()) } else { String::new() };
+        let texture = object.texture.as_ref().map_or(String::new(), |texture| texture.content().to_string());
+        let albedo = if reflects { bits(&object.albedo.to_array()) + &texture } else { String::new() };
         let (emission, left_out) = (bits(&object.emission.to_array()), self.reference.leaves_out(&object.name));
-        let (content, casts) = (object.content, object.casts);
+        let (content, casts) = (posed.content, object.casts);
         Some(format!("object {content} {} {} casts {casts} {emission} {albedo} {left_out}", bits(&turn), bits(&shift)))
     }
 }

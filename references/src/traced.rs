@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use halflight_scenes::{Frame, Mesh, Pose, PosedObject, Rgb, Scene, Shape, Which};
+use halflight_scenes::{Frame, Mesh, Pose, PosedObject, Rgb, Scene, Shape, Texture, Which};
 use halflight_trace::{Hit, Ray, World, clearance, clearance_of_point};
 
 use crate::Reference;
@@ -22,6 +22,7 @@ struct Body {
     /// The farthest from the origin that it gets.
     reach: f32,
     albedo: Rgb,
+    texture: Option<Texture>,
     emission: Rgb,
 }
 
@@ -52,12 +53,13 @@ impl Traced {
             let lit = if reference.leaves_out(&object.name) { 0.0 } else { 1.0 };
             Body {
                 shape: match posed.pose == Pose::IDENTITY {
-                    true => object.shape.clone(),
-                    false => Arc::new(object.shape.posed(posed.pose).into_owned()),
+                    true => posed.shape.clone(),
+                    false => Arc::new(posed.in_place().into_owned()),
                 },
                 casts: object.casts,
-                reach: reach(&object.shape) + posed.pose.translation.length(),
+                reach: reach(&posed.shape) + posed.pose.translation.length(),
                 albedo: lit * object.albedo,
+                texture: object.texture.clone(),
                 emission: lit * object.emission,
             }
         };
@@ -95,7 +97,7 @@ impl Traced {
             front,
             object: hit.geometry,
             primitive: hit.primitive,
-            albedo: body.albedo,
+            albedo: body.albedo_at(hit),
             emission: if front { body.emission } else { Rgb::ZERO },
         }
     }
@@ -104,6 +106,17 @@ impl Traced {
     pub(crate) fn emitting(&self) -> impl Iterator<Item = (u32, &Shape, Rgb, bool)> {
         let all = (0..).zip(&self.objects).filter(|(_, body)| body.emission != Rgb::ZERO);
         all.map(|(index, body)| (index, &*body.shape, body.emission, body.casts))
+    }
+}
+
+impl Body {
+    fn albedo_at(&self, hit: &Hit) -> Rgb {
+        match (&self.texture, &*self.shape) {
+            (Some(texture), Shape::Mesh(mesh)) => {
+                self.albedo * texture.at(mesh.uv(hit.primitive as usize, hit.barycentrics))
+            }
+            _ => self.albedo,
+        }
     }
 }
 

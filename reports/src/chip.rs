@@ -14,12 +14,17 @@ pub(crate) fn chip(report: &Report, label: usize) -> String {
 
 /// The colour of a setting's method.
 pub(crate) fn colour(report: &Report, label: usize) -> [u8; 3] {
+    method_colour(report, &report.methods[label])
+}
+
+/// The colour of a method.
+pub(crate) fn method_colour(report: &Report, method: &str) -> [u8; 3] {
     let mut methods: Vec<&String> = Vec::new();
     for method in &report.methods {
         if !methods.contains(&method) {
             methods.push(method);
         }
     }
-    let place = methods.iter().position(|m| **m == report.methods[label]).unwrap_or(0);
+    let place = methods.iter().position(|m| *m == method).unwrap_or(0);
     PALETTE[place % PALETTE.len()]
 }

@@ -1,7 +1,7 @@
 //! From the store to a report's data.
 
 use crate::labels::{Labels, SceneNames};
-use crate::{Absent, CrossCheck, Reference, Report, Row, Scene};
+use crate::{Absent, CrossCheck, Reference, Report, Row, Scene, calibration};
 use halflight_results::{Cell, Key, Picture, Record, Run, Score, Store};
 use std::collections::BTreeMap;
 
@@ -9,22 +9,22 @@ use std::collections::BTreeMap;
 ///
 /// A picture that is missing or damaged is left out with a warning in the report; it does not stop the rest.
 pub fn build(store: &Store, title: &str) -> Report {
+    assemble(store, title, true)
+}
+
+/// As [`build`], without reading any picture.
+pub fn outline(store: &Store, title: &str) -> Report {
+    assemble(store, title, false)
+}
+
+fn assemble(store: &Store, title: &str, pictures: bool) -> Report {
     let cells = || store.outcomes().filter_map(Record::cell);
     let mut collector = Collector {
         store,
+        pictures,
         labels: Labels::of(cells()),
         names: SceneNames::of(cells()),
-        report: Report {
-            title: title.to_owned(),
-            environments: Vec::new(),
-            labels: Vec::new(),
-            methods: Vec::new(),
-            scenes: Vec::new(),
-            cross_checks: Vec::new(),
-            skips: Vec::new(),
-            failures: Vec::new(),
-            warnings: store.warnings().to_vec(),
-        },
+        report: Report { warnings: store.warnings().to_vec(), ..Report::empty(title) },
     };
     for record in store.outcomes() {
         match record {
@@ -37,7 +37,7 @@ pub fn build(store: &Store, title: &str) -> Report {
                 let absent = collector.absent(&failure.cell, &failure.error);
                 collector.report.failures.push(absent);
             }
-            Record::Score(_) | Record::CrossCheck(_) => {}
+            Record::Times(_) | Record::Score(_) | Record::CrossCheck(_) => {}
         }
     }
     for record in store.cross_checks() {
@@ -50,6 +50,7 @@ pub fn build(store: &Store, title: &str) -> Report {
         collector.report.cross_checks.push(check);
     }
     let mut report = collector.report;
+    report.warnings.extend(calibration::warning(report.scenes.iter().flat_map(|scene| &scene.rows)));
     for scene in &mut report.scenes {
         scene.rows.sort_by_key(|row| row.label);
         // A stable sort: `truth` first, the others as they came.
@@ -60,6 +61,7 @@ pub fn build(store: &Store, title: &str) -> Report {
 
 struct Collector<'a> {
     store: &'a Store,
+    pictures: bool,
     labels: Labels,
     names: SceneNames,
     report: Report,
@@ -73,11 +75,12 @@ impl Collector<'_> {
         let label = self.label(&run.cell);
         let scores = newest(self.store.scores(&run.cell.key()));
         let picture = run.image.as_ref().and_then(|image| self.picture(image));
+        let times = self.store.times(&run.cell.key()).cloned();
         let scene = self.scene(&run.cell);
         for score in &scores {
             self.reference(scene, score);
         }
-        self.report.scenes[scene].rows.push(Row { label, run: run.clone(), picture, scores });
+        self.report.scenes[scene].rows.push(Row { label, run: run.clone(), picture, times, scores });
     }
 
     fn absent(&mut self, cell: &Cell, why: &str) -> Absent {
@@ -123,6 +126,9 @@ impl Collector<'_> {
     }
 
     fn picture(&mut self, image: &Key) -> Option<Picture> {
+        if !self.pictures {
+            return None;
+        }
         match self.store.read_picture(image) {
             Ok(picture) => Some(picture),
             Err(error) => {

@@ -3,7 +3,7 @@
 use crate::chip::chip;
 use crate::format::{escape, number, time};
 use crate::raster::{DIVERGING, displayed, error_map, error_scale};
-use crate::{Report, ReportError, Row, Scene};
+use crate::{Report, ReportError, Row, Scene, threads};
 use halflight_metrics::Exposure;
 use halflight_results::{Layout, Picture};
 use std::fmt::Write;
@@ -68,7 +68,7 @@ impl Gallery<'_> {
         }
         let truth = self.images[0].id.clone();
         let mut html = String::from("<div class=\"rows\">");
-        for row in &scene.rows {
+        for row in threads::distinct(scene) {
             let Some(picture) = row.picture.as_ref().filter(|p| p.layout == self.truth.layout) else { continue };
             let name = &self.report.labels[row.label];
             let shown = displayed(picture, self.exposure)?;

@@ -42,8 +42,16 @@ fn fields_of(cell: &Cell) -> Vec<(String, String)> {
     fields.push(("quantity".into(), cell.quantity.clone()));
     fields.push(("seed".into(), cell.seed.to_string()));
     fields.push(("revision".into(), cell.revision.chars().take(8).collect()));
-    fields.push(("on".into(), cell.timed_on.clone().unwrap_or_default()));
+    let (threads, on) = split(cell.timed_on.as_deref().unwrap_or_default());
+    fields.push(("threads".into(), threads));
+    fields.push(("on".into(), on));
     fields
+}
+
+/// The number of threads of a machine class, and all else that it says.
+fn split(class: &str) -> (String, String) {
+    let (threads, rest): (Vec<&str>, Vec<&str>) = class.split(" | ").partition(|part| part.ends_with(" threads"));
+    (threads.join(" | ").replace(" threads", ""), rest.join(" | "))
 }
 
 /// A parameter's value: strings without their quotes.
@@ -91,6 +99,7 @@ impl SceneNames {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use halflight_results::Environment;
 
     fn cell(scene: &str, method: &str, order: u32, frame: u32) -> Cell {
         let params = [("order".to_owned(), order.into()), ("rule".to_owned(), "paper".into())].into();
@@ -103,6 +112,16 @@ mod tests {
         let labels = Labels::of(cells.iter());
         let names: Vec<String> = cells.iter().map(|c| labels.label(c)).collect();
         assert_eq!(names, ["a/x · order 3", "a/x · order 4", "b/y", "b/y"]);
+    }
+
+    #[test]
+    fn threads_are_told_apart_without_the_machine() {
+        let on = |threads: usize| {
+            let environment = Environment { threads, cpu: "a".into(), ..Environment::default() };
+            Cell { timed_on: Some(environment.class()), ..cell("s", "a/x", 3, 0) }
+        };
+        let labels = Labels::of([on(1), on(8)].iter());
+        assert_eq!(labels.label(&on(8)), "a/x · threads 8");
     }
 
     #[test]

@@ -13,19 +13,28 @@
 //! ```
 
 mod budget;
+mod calibration;
 mod chip;
 mod collect;
+mod criterion;
 mod crosschecks;
 mod figures;
 mod format;
+mod fronts;
 mod labels;
 mod page;
+mod pareto;
 mod plot;
 mod raster;
 mod report;
+mod scaling;
 mod summary;
 mod tables;
+mod threads;
 
 pub use budget::{Budget, BudgetStep};
-pub use collect::build;
+pub use collect::{build, outline};
+pub use criterion::{Benchmark, CriterionError, read_criterion};
+pub use fronts::{Against, Entry, Front, Relative};
 pub use report::{Absent, CrossCheck, Reference, Report, ReportError, Row, Scene};
+pub use scaling::{Fit, Scaling};

@@ -1,10 +1,9 @@
 //! The page: header, summary, a section a scene, what was not run, and how to read it all.
 
-use crate::chip::{chip, colour};
-use crate::format::{escape, number};
-use crate::plot::{Point, error_against_time};
+use crate::chip::chip;
+use crate::format::escape;
 use crate::summary::matrix;
-use crate::{Absent, Report, ReportError, Scene, crosschecks, figures, tables};
+use crate::{Absent, Report, ReportError, criterion, crosschecks, figures, pareto, scaling, tables};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
@@ -23,8 +22,11 @@ pub(crate) fn html(report: &Report) -> Result<String, ReportError> {
         GUIDE.to_owned(),
         "<h2 id=\"summary\">Summary</h2>".to_owned(),
         summary(report),
+        pareto::over_scenes(report)?,
         sections,
+        scaling::section(report)?,
         crosschecks::section(&report.cross_checks)?,
+        criterion::section(&report.benchmarks),
         absent(report),
         "<h2>Settings in full</h2>".to_owned(),
         tables::settings(report),
@@ -95,30 +97,10 @@ fn scene(report: &Report, section: usize) -> Result<String, ReportError> {
     Ok([
         format!("<h2 id=\"scene-{section}\">{}</h2>", escape(&scene.name)),
         figures::figures(report, section)?,
-        plot(report, scene)?,
+        pareto::of_scene(report, &scene.name)?,
         tables::tables(report, scene),
     ]
     .concat())
-}
-
-fn plot(report: &Report, scene: &Scene) -> Result<String, ReportError> {
-    let Some(reference) = scene.main_reference() else { return Ok(String::new()) };
-    let mut key = String::new();
-    let mut points = Vec::new();
-    for row in &scene.rows {
-        let (Some(score), Some(time)) = (row.score(reference), row.shade_time()) else { continue };
-        let Some(&error) = score.measures.get("rmse") else { continue };
-        let colour = colour(report, row.label);
-        points.push(Point { number: row.label + 1, colour, time, error, resolved: score.resolved });
-        let _ = write!(key, "<li>{}{}</li>", chip(report, row.label), escape(&report.labels[row.label]));
-    }
-    let noise = scene.standard_error(reference);
-    let Some(svg) = error_against_time(&points, noise, reference)? else { return Ok(String::new()) };
-    Ok(format!(
-        "<figure class=\"plot\"><figcaption><b>Error against time.</b> Lower left is better. Hollow: not \
-         resolved, so drawn at the reference's standard error ({}).</figcaption><div class=\"plotted\">{svg}<ul>{key}</ul></div></figure>",
-        number(noise)
-    ))
 }
 
 fn absent(report: &Report) -> String {

@@ -1,10 +1,9 @@
-//! Error against time, as SVG.
+//! Error against cost with the Pareto front, as SVG.
 //!
 //! Colours of text and rules are left to the page's style sheet, which knows light from dark.
 
 use crate::ReportError;
-use crate::format::time_unit;
-use halflight_metrics::Interval;
+use halflight_metrics::{Measured, Standing};
 use plotters::coord::combinators::WithKeyPoints;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -17,37 +16,49 @@ pub(crate) struct Point {
     pub(crate) number: usize,
     /// Its method's colour.
     pub(crate) colour: [u8; 3],
-    /// Shade time in nanoseconds.
-    pub(crate) time: Interval,
-    /// RMSE.
-    pub(crate) error: f64,
-    /// Where not, the error is known only to lie below the reference's standard error: drawn hollow, at that.
+    /// What it costs.
+    pub(crate) cost: Measured,
+    /// Its error.
+    pub(crate) error: Measured,
+    /// Whether the error stands out of the reference's noise; drawn hollow where not.
     pub(crate) resolved: bool,
+    /// What is dominated is drawn small and faint.
+    pub(crate) standing: Standing,
 }
 
-/// Log–log: shade time across, RMSE against `reference` upwards, and a dashed line at the reference's standard error.
-/// None where nothing can be drawn on logarithmic axes.
-pub(crate) fn error_against_time(
-    points: &[Point],
-    standard_error: f64,
-    reference: &str,
-) -> Result<Option<String>, ReportError> {
-    let drawn = |p: &&Point| p.time.low > 0.0 && p.error > 0.0 && p.time.high.is_finite() && p.error.is_finite();
-    let points: Vec<&Point> = points.iter().filter(drawn).collect();
+/// What the axes say.
+pub(crate) struct Axes {
+    /// Below the plot.
+    pub(crate) cost: String,
+    /// What the plot's unit of cost is in the points' units.
+    pub(crate) unit: f64,
+    /// Beside the plot.
+    pub(crate) error: String,
+    /// Where errors are not resolved, with the reference's name: a dashed line.
+    pub(crate) noise: Option<(f64, String)>,
+}
+
+/// Log–log: cost across, error upwards, with their intervals; the front as a staircase. None where nothing can be drawn on
+/// logarithmic axes.
+pub(crate) fn pareto(points: &[Point], axes: &Axes) -> Result<Option<String>, ReportError> {
+    let points: Vec<&Point> = points.iter().filter(|p| p.cost.value() > 0.0 && p.error.value() > 0.0).collect();
     if points.is_empty() {
         return Ok(None);
     }
     let mut svg = String::new();
-    draw(&mut svg, &points, standard_error, reference).map_err(|e| ReportError::Plot(e.to_string()))?;
+    draw(&mut svg, &points, axes).map_err(|e| ReportError::Plot(e.to_string()))?;
     Ok(Some(svg))
 }
 
-fn draw(svg: &mut String, points: &[&Point], noise: f64, reference: &str) -> Result<(), Box<dyn std::error::Error>> {
-    let (unit, unit_name) = time_unit(points.iter().map(|p| p.time.median).fold(f64::INFINITY, f64::min));
-    let x = Axis::around(points.iter().flat_map(|p| [p.time.low / unit, p.time.high / unit]));
-    let noise_line = (noise > 0.0).then_some(noise);
-    let height = |p: &Point| if p.resolved { p.error } else { p.error.max(noise) };
-    let y = Axis::around(points.iter().map(|p| height(p)).chain(noise_line));
+fn draw(svg: &mut String, points: &[&Point], axes: &Axes) -> Result<(), Box<dyn std::error::Error>> {
+    let unit = axes.unit;
+    let positive = |v: &f64| *v > 0.0;
+    let ends = |m: &Measured| [m.low(), m.value(), m.high()];
+    let x = Axis::around(points.iter().flat_map(|p| ends(&p.cost)).filter(positive).map(|v| v / unit));
+    let noise = axes.noise.as_ref().filter(|(level, _)| *level > 0.0);
+    // The lower end of what is not resolved is 0: its whisker leaves the plot.
+    let heights = points.iter().flat_map(|p| if p.resolved { ends(&p.error) } else { [p.error.value(); 3] });
+    let y = Axis::around(heights.filter(positive).chain(noise.map(|(level, _)| *level)));
 
     let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
     let mut chart = ChartBuilder::on(&root)
@@ -58,8 +69,8 @@ fn draw(svg: &mut String, points: &[&Point], noise: f64, reference: &str) -> Res
         .build_cartesian_2d(x.coordinate(), y.coordinate())?;
     chart
         .configure_mesh()
-        .x_desc(format!("shade time, {unit_name} (median and 95% interval)"))
-        .y_desc(format!("RMSE against {reference}, radiance"))
+        .x_desc(&axes.cost)
+        .y_desc(&axes.error)
         .x_label_formatter(&|v| tick(*v))
         .y_label_formatter(&|v| tick(*v))
         .max_light_lines(0)
@@ -69,38 +80,71 @@ fn draw(svg: &mut String, points: &[&Point], noise: f64, reference: &str) -> Res
         .axis_desc_style(("sans-serif", 15))
         .draw()?;
 
-    if let Some(level) = noise_line {
-        let ends = [(x.low, level), (x.high, level)];
+    if let Some((level, reference)) = noise {
+        let ends = [(x.low, *level), (x.high, *level)];
         chart.draw_series(DashedLineSeries::new(ends, 5, 4, BLACK.mix(0.6).into()))?;
         let style = ("sans-serif", 13).into_font().into_text_style(&root).pos(Pos::new(HPos::Left, VPos::Top));
         let text = format!("standard error of {reference}: below, nothing is resolved");
-        chart.draw_series([EmptyElement::at((x.low, level)) + Text::new(text, (8, 5), style)])?;
+        chart.draw_series([EmptyElement::at((x.low, *level)) + Text::new(text, (8, 5), style)])?;
     }
-    for point in points {
-        let colour = RGBColor(point.colour[0], point.colour[1], point.colour[2]);
-        let (low, middle, high) = (point.time.low / unit, point.time.median / unit, point.time.high / unit);
-        let error = height(point);
-        chart.draw_series([PathElement::new([(low, error), (high, error)], colour.stroke_width(2))])?;
+    let stairs = stairs(points, unit, &x, &y);
+    chart.draw_series([PathElement::new(stairs, BLACK.mix(0.35).stroke_width(2))])?;
+    // What is on the front lies over the rest.
+    let mut ordered = points.to_vec();
+    ordered.sort_by_key(|p| match p.standing {
+        Standing::Dominated { .. } => 0,
+        Standing::Undecided => 1,
+        Standing::Front => 2,
+    });
+    for point in ordered {
+        let dominated = matches!(point.standing, Standing::Dominated { .. });
+        let strength = if dominated { 0.4 } else { 1.0 };
+        let [r, g, b] = point.colour;
+        let colour = RGBColor(r, g, b).mix(strength);
+        let (cost, error) = (point.cost.value() / unit, point.error.value());
+        let across = [point.cost.low(), point.cost.high()].map(|end| ((end / unit).max(x.low), error));
+        let upwards = [point.error.low(), point.error.high()].map(|end| (cost, end.max(y.low)));
+        let whiskers = [across, upwards].map(|ends| PathElement::new(ends.to_vec(), colour.stroke_width(2)));
+        chart.draw_series(whiskers)?;
         let style = if point.resolved { colour.filled() } else { colour.stroke_width(2) };
-        chart.draw_series([Circle::new((middle, error), 6, style)])?;
-        let font = ("sans-serif", 14).into_font().style(FontStyle::Bold);
-        let style = font.into_text_style(&root).pos(Pos::new(HPos::Left, VPos::Bottom));
-        let label = EmptyElement::at((middle, error)) + Text::new(point.number.to_string(), (7, -5), style);
-        chart.draw_series([label])?;
+        chart.draw_series([Circle::new((cost, error), if dominated { 4 } else { 6 }, style)])?;
+        let font = ("sans-serif", if dominated { 11 } else { 14 }).into_font();
+        let font = if dominated { font } else { font.style(FontStyle::Bold) };
+        let ink = BLACK.mix(strength);
+        let style = font.into_text_style(&root).color(&ink).pos(Pos::new(HPos::Left, VPos::Bottom));
+        chart.draw_series([EmptyElement::at((cost, error)) + Text::new(point.number.to_string(), (7, -5), style)])?;
     }
     root.present()?;
     Ok(())
 }
 
+/// The front from the plot's top to its right: at every cost the least error to be had for it.
+fn stairs(points: &[&Point], unit: f64, x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
+    let mut front: Vec<(f64, f64)> = points
+        .iter()
+        .filter(|p| p.standing == Standing::Front)
+        .map(|p| (p.cost.value() / unit, p.error.value()))
+        .collect();
+    front.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    let mut height = y.high;
+    let mut path = Vec::new();
+    for (cost, error) in front {
+        path.extend([(cost, height), (cost, error)]);
+        height = error;
+    }
+    path.push((x.high, height));
+    path
+}
+
 /// The ends of a logarithmic axis.
-struct Axis {
+pub(crate) struct Axis {
     low: f64,
     high: f64,
 }
 
 impl Axis {
     /// All values with room around them, and at least a factor of 6 from end to end so that ticks fall inside.
-    fn around(values: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn around(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values.fold((f64::INFINITY, 0f64), |(l, h), v| (l.min(v), h.max(v)));
         let room = (6.0 * low / high).sqrt().max(1.35);
         Self { low: low / room, high: high * room }
@@ -114,13 +158,18 @@ impl Axis {
         all.filter(|t| (self.low..=self.high).contains(t)).collect()
     }
 
-    fn coordinate(&self) -> WithKeyPoints<LogCoord<f64>> {
-        (self.low..self.high).log_scale().with_key_points(self.ticks())
+    pub(crate) fn coordinate(&self) -> WithKeyPoints<LogCoord<f64>> {
+        self.coordinate_at(self.ticks())
+    }
+
+    /// With ticks at these values, in rising order.
+    pub(crate) fn coordinate_at(&self, values: Vec<f64>) -> WithKeyPoints<LogCoord<f64>> {
+        (self.low..self.high).log_scale().with_key_points(values)
     }
 }
 
 /// A tick's label: `0.02`, `50`, or `5e−6`. Ticks have one significant digit.
-fn tick(value: f64) -> String {
+pub(crate) fn tick(value: f64) -> String {
     if (0.000_9..=100_000.0).contains(&value) {
         format!("{}", (value * 1e6).round() / 1e6)
     } else {
@@ -132,24 +181,54 @@ fn tick(value: f64) -> String {
 mod tests {
     use super::*;
 
-    fn point(number: usize, time: f64, error: f64) -> Point {
-        let time = Interval { median: time, low: time * 0.9, high: time * 1.2, count: 5 };
-        Point { number, colour: [0, 114, 178], time, error, resolved: true }
+    fn points(figures: &[(f64, f64)]) -> Vec<Point> {
+        let measured: Vec<[Measured; 2]> = figures
+            .iter()
+            .map(|(cost, error)| {
+                [Measured::new(*cost, cost * 0.9, cost * 1.2), Measured::new(*error, error * 0.9, error * 1.1)]
+                    .map(Option::unwrap)
+            })
+            .collect();
+        let standings = halflight_metrics::standings(&measured);
+        let point = |(i, [cost, error]): (usize, &[Measured; 2])| Point {
+            number: i + 1,
+            colour: [0, 114, 178],
+            cost: *cost,
+            error: *error,
+            resolved: true,
+            standing: standings[i],
+        };
+        measured.iter().enumerate().map(point).collect()
+    }
+
+    fn axes(noise: f64) -> Axes {
+        Axes { cost: "shade time, ms".into(), unit: 1e6, error: "RMSE".into(), noise: Some((noise, "truth".into())) }
     }
 
     #[test]
-    fn every_point_and_the_noise_are_drawn() {
-        let points = [point(1, 1e6, 0.1), point(2, 5e7, 0.01), point(3, 1e8, 0.002)];
-        let svg = error_against_time(&points, 1e-3, "truth").unwrap().unwrap();
-        assert_eq!(svg.matches("<circle").count(), 3);
-        for part in ["shade time, ms", "RMSE against truth", "standard error of truth", "0.01"] {
-            assert!(svg.contains(part), "{part}");
-        }
+    fn every_point_the_front_and_the_noise_are_drawn() {
+        let points = points(&[(1e6, 0.1), (5e7, 0.01), (1e8, 0.002), (1e9, 0.5)]);
+        let svg = pareto(&points, &axes(1e-3)).unwrap().unwrap();
+        let circles: Vec<&str> = svg.split("<circle").skip(1).collect();
+        assert_eq!(circles.iter().filter(|c| c.contains("r=\"6\"")).count(), 3);
+        // What is dominated is small and faint.
+        assert_eq!(circles.iter().filter(|c| c.contains("r=\"4\"") && c.contains("opacity=\"0.4\"")).count(), 1);
+        assert!(svg.contains("standard error of truth") && svg.contains("shade time, ms"));
+        assert!(!pareto(&points, &axes(0.0)).unwrap().unwrap().contains("standard error"));
+    }
+
+    #[test]
+    fn stairs_go_down_and_pass_through_the_front() {
+        let points = points(&[(3.0, 0.2), (1.0, 0.9), (2.0, 0.5), (4.0, 0.7)]);
+        let (x, y) = (Axis { low: 0.5, high: 9.0 }, Axis { low: 0.01, high: 2.0 });
+        let stairs = stairs(&points.iter().collect::<Vec<_>>(), 1.0, &x, &y);
+        let expected = [(1.0, 2.0), (1.0, 0.9), (2.0, 0.9), (2.0, 0.5), (3.0, 0.5), (3.0, 0.2), (9.0, 0.2)];
+        assert_eq!(stairs, expected);
     }
 
     #[test]
     fn what_has_no_logarithm_is_left_out() {
-        assert!(error_against_time(&[point(1, 1e6, 0.0), point(2, 0.0, 1.0)], 0.0, "truth").unwrap().is_none());
+        assert!(pareto(&points(&[(1e6, 0.0), (0.0, 1.0)]), &axes(0.0)).unwrap().is_none());
     }
 
     #[test]

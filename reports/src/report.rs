@@ -1,7 +1,8 @@
 //! What a report holds: plain data, assembled by [`crate::build`].
 
+use crate::{Benchmark, Scaling};
 use halflight_metrics::{Interval, median_interval};
-use halflight_results::{Environment, Picture, Run, Score};
+use halflight_results::{Environment, Picture, Run, Score, Times, Timing};
 use std::path::{Path, PathBuf};
 
 /// Everything that the page shows.
@@ -20,6 +21,10 @@ pub struct Report {
     pub scenes: Vec<Scene>,
     /// What other programs say to the truth.
     pub cross_checks: Vec<CrossCheck>,
+    /// How cost grows with one number; [`crate::build`] leaves it to its caller to find out.
+    pub scalings: Vec<Scaling>,
+    /// What `cargo bench` measured; left to the caller, too.
+    pub benchmarks: Vec<Benchmark>,
     /// Cells that were skipped.
     pub skips: Vec<Absent>,
     /// Cells that failed.
@@ -57,6 +62,8 @@ pub struct Row {
     pub run: Run,
     /// Its picture; none where there is none or its file is missing or damaged.
     pub picture: Option<Picture>,
+    /// Its times; none where it was not timed yet.
+    pub times: Option<Times>,
     /// Its scores, one a reference.
     pub scores: Vec<Score>,
 }
@@ -105,6 +112,23 @@ pub enum ReportError {
 }
 
 impl Report {
+    /// A report of nothing.
+    pub fn empty(title: &str) -> Self {
+        Self {
+            title: title.to_owned(),
+            environments: Vec::new(),
+            labels: Vec::new(),
+            methods: Vec::new(),
+            scenes: Vec::new(),
+            cross_checks: Vec::new(),
+            scalings: Vec::new(),
+            benchmarks: Vec::new(),
+            skips: Vec::new(),
+            failures: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
     /// The page.
     ///
     /// # Errors
@@ -158,6 +182,11 @@ impl Row {
 
     /// The median shade time with its interval, in nanoseconds.
     pub(crate) fn shade_time(&self) -> Option<Interval> {
-        median_interval(&self.run.phases.get("shade")?.nanoseconds)
+        median_interval(&self.span("shade")?.nanoseconds)
+    }
+
+    /// The samples of a phase or of a span within one.
+    pub fn span(&self, name: &str) -> Option<&Timing> {
+        self.times.as_ref()?.phases.get(name)
     }
 }

@@ -1,10 +1,11 @@
 //! A scene's figures in full: errors, times, derived data, counters, memory.
 
+use crate::calibration::{Pace, Usual};
 use crate::chip::chip;
 use crate::format::{bytes, count, escape, number, time};
 use crate::labels::value_text;
-use crate::{Report, Row, Scene};
-use halflight_metrics::median_interval;
+use crate::{Report, Row, Scene, threads};
+use halflight_metrics::{median_interval, outliers};
 use halflight_results::{Phase, Score, Timing};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -26,6 +27,7 @@ pub(crate) fn tables(report: &Report, scene: &Scene) -> String {
     [
         errors(report, scene),
         times(report, scene),
+        threads::table(report, scene),
         derived(report, scene),
         counters(report, scene),
         memory(report, scene),
@@ -59,7 +61,9 @@ fn errors(report: &Report, scene: &Scene) -> String {
             escape(&reference.id),
             number(noise)
         );
-        for (row, score) in scene.rows.iter().filter_map(|row| Some((row, row.score(&reference.id)?))) {
+        for (row, score) in
+            threads::distinct(scene).into_iter().filter_map(|row| Some((row, row.score(&reference.id)?)))
+        {
             let _ = write!(table, "<tr>{}{}</tr>", name(report, row), error_cells(score));
         }
         table.push_str("</tbody>");
@@ -88,44 +92,80 @@ fn error_cells(score: &Score) -> String {
 fn times(report: &Report, scene: &Scene) -> String {
     let mut table = String::from(
         "<table><thead><tr><th>setting</th><th>prepare</th><th>update</th><th>shade</th><th>shade a receiver</th>\
-         <th>derived data, apart</th><th>threads</th></tr></thead><tbody>",
+         <th>derived data, apart</th><th>threads</th><th>machine</th></tr></thead><tbody>",
     );
+    let usual = Usual::of(report.scenes.iter().flat_map(|scene| &scene.rows));
     for row in &scene.rows {
         let _ = write!(table, "<tr>{}", name(report, row));
         for phase in Phase::ALL {
-            let _ = write!(table, "<td>{}</td>", row.run.phases.get(phase.name()).map_or("–".into(), duration));
+            let _ = write!(table, "<td>{}</td>", row.span(phase.name()).map_or("–".into(), duration));
         }
         let shade = row.shade_time();
         let each = shade.filter(|_| row.run.receivers > 0).map(|t| time(t.median / row.run.receivers as f64));
         let derived: f64 = row.run.derived.values().sum();
         let derived = if row.run.derived.is_empty() { "–".into() } else { time(derived) };
         let threads = row.run.environment.threads;
-        let _ = write!(table, "<td>{}</td><td>{derived}</td><td>{threads}</td></tr>", each.unwrap_or("–".into()));
+        let machine = usual.pace(row).map_or("<td>–</td>".into(), |pace| machine(pace, row));
+        let _ =
+            write!(table, "<td>{}</td><td>{derived}</td><td>{threads}</td>{machine}</tr>", each.unwrap_or("–".into()));
         for (span, timing) in spans(row) {
             let mut cells = Phase::ALL.map(|_| String::new());
             cells[timing.phase as usize] = duration(timing);
             let inner = span.strip_prefix(timing.phase.name()).map_or(span.as_str(), |s| s.trim_start_matches('/'));
             let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
-            let _ =
-                write!(table, "<tr class=\"span\"><th>{}</th>{cells}<td></td><td></td><td></td></tr>", escape(inner));
+            let _ = write!(
+                table,
+                "<tr class=\"span\"><th>{}</th>{cells}<td></td><td></td><td></td><td></td></tr>",
+                escape(inner)
+            );
         }
     }
     table.push_str("</tbody></table>");
-    let note = "Wall time: the median with its 95% bootstrap interval and the count of repeats. Derived data (sphere sets, \
-                lights, trees) is built once and shared; its build time is charged apart to every setting that uses it.";
+    let note = "Wall time: the median of samples taken in turns with the other settings of the scene, with the interval \
+                that holds the true median with a probability of 95% (of fewer than six samples: their range; five: 94%, \
+                three: 75%) and the count of samples. Outliers (modified z-score above 3.5) are counted, not dropped: a median \
+                bears them. Derived data (sphere sets, lights, trees) is built once and shared; its build time is charged apart \
+                to every setting that uses it. Machine: what fixed work took beside these samples, computing and reading \
+                memory, over what it usually took in these results; where that is off by more than 10%, the shade time is \
+                given normalised too, divided by the first ratio.";
     details("Time", note, &table)
 }
 
 /// Spans inside the phases.
 fn spans(row: &Row) -> impl Iterator<Item = (&String, &Timing)> {
-    row.run.phases.iter().filter(|(name, _)| Phase::ALL.iter().all(|phase| phase.name() != name.as_str()))
+    row.times
+        .iter()
+        .flat_map(|times| &times.phases)
+        .filter(|(name, _)| Phase::ALL.iter().all(|phase| phase.name() != name.as_str()))
 }
 
 fn duration(timing: &Timing) -> String {
+    let outliers = match outliers(&timing.nanoseconds).into_iter().filter(|far| *far).count() {
+        0 => String::new(),
+        1 => ", 1 outlier".to_owned(),
+        n => format!(", {n} outliers"),
+    };
     match median_interval(&timing.nanoseconds) {
         None => "–".into(),
         Some(i) if i.count == 1 => format!("{}<small>once</small>", time(i.median)),
-        Some(i) => format!("{}<small>{} to {}, ×{}</small>", time(i.median), time(i.low), time(i.high), i.count),
+        Some(i) => {
+            let [median, low, high] = [i.median, i.low, i.high].map(time);
+            format!("{median}<small>{low} to {high}, ×{}{outliers}</small>", i.count)
+        }
+    }
+}
+
+/// How fast the machine was, as a table's cell.
+fn machine(pace: Pace, row: &Row) -> String {
+    let ratios = format!("{:.2} · {:.2}", pace.compute, pace.memory);
+    match row.shade_time().filter(|_| pace.is_apart()) {
+        None => format!("<td>{ratios}</td>"),
+        Some(shade) => {
+            format!(
+                "<td class=\"failed\">{ratios}<small>normalised: {}</small></td>",
+                time(shade.median / pace.compute)
+            )
+        }
     }
 }
 

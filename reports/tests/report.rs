@@ -36,7 +36,11 @@ fn every_run_skip_and_failure_is_there() {
     assert!(html.contains("11 runs of 6 settings in 3 scenes; 2 skipped, 1 failed."));
     assert_eq!(html.matches("<h4>").count(), 10, "a row of pictures for every run of the two image scenes");
     assert_eq!(html.matches("class=\"viewer\"").count(), 2);
-    assert_eq!(html.matches("class=\"plot\"").count(), 3);
+    assert_eq!(
+        html.matches("class=\"plot\"").count(),
+        2 * (3 + 1),
+        "a front by time and one by memory for each scene and over all"
+    );
     assert!(html.contains("No pictures: the receivers are a list of 400 points."));
     assert_eq!(html.matches("the scene is no height field").count(), 4, "each skip in the matrix and in the list");
     for part in ["against truth", "against sh-light", "gather", "blockers", "sphere set of bunny, 64", "3.00 MiB"] {

@@ -1,21 +1,26 @@
 //! Files that a scene names: read, checked against their hash, decoded by extension.
 
+mod bvh;
+mod gltf;
 mod height_map;
 mod image;
 mod obj;
 mod off;
+mod picture;
 mod ply;
 mod points;
 mod proper;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use glam::Vec3;
 
 use crate::check::Checker;
 use crate::{Content, Mesh, SceneError};
 
+pub(crate) use bvh::Capture;
+pub(crate) use gltf::{Part, Wanted};
 pub(crate) use height_map::HeightMap;
 pub(crate) use image::Image;
 pub use points::read_points_csv;
@@ -30,9 +35,29 @@ impl<'a> Assets<'a> {
         Assets { scene }
     }
 
+    /// The path of a file in the scene's folder or below: who opens a stranger's scene opens nothing else.
+    fn within(&self, field: &str, file: &str) -> Result<PathBuf, SceneError> {
+        let named = Path::new(file);
+        let inside = named.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        let check = Checker { file: self.scene };
+        let expected = "a path inside the scene's folder, without `..`";
+        check.ensure(inside && !file.is_empty(), &format!("{field}.file"), expected, file)?;
+        let folder = self.scene.parent().unwrap_or(Path::new(""));
+        let path = folder.join(named);
+        // Links may lead out as well.
+        let real = |path: &Path| path.canonicalize().ok();
+        let start = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        match (real(start), real(&path)) {
+            (Some(folder), Some(real)) if !real.starts_with(&folder) => {
+                Err(check.invalid(&format!("{field}.file"), expected, file))
+            }
+            _ => Ok(path),
+        }
+    }
+
     /// Reads a file and compares its SHA-256, where the scene gives one.
     pub(crate) fn read(&self, field: &str, file: &str, sha256: Option<&str>) -> Result<Asset, SceneError> {
-        let path = self.scene.parent().unwrap_or(Path::new("")).join(file);
+        let path = self.within(field, file)?;
         let bytes = read(&path)?;
         if let Some(expected) = sha256 {
             let found = Content::of(&bytes).to_string();
@@ -70,6 +95,22 @@ impl Asset {
         proper::mesh(check, raw, drop_degenerate)
     }
 
+    /// The meshes of a glTF file.
+    pub(crate) fn gltf(&self, wanted: &Wanted, notices: &mut Vec<String>) -> Result<Vec<Part>, SceneError> {
+        match self.extension().as_str() {
+            "gltf" | "glb" => gltf::read(self, wanted, notices),
+            other => Err(self.check().invalid("extension", "a model as .gltf or .glb", other)),
+        }
+    }
+
+    /// Captured motion.
+    pub(crate) fn capture(&self) -> Result<Capture, SceneError> {
+        match self.extension().as_str() {
+            "bvh" => bvh::read(self.check(), &self.bytes),
+            other => Err(self.check().invalid("extension", "captured motion as .bvh", other)),
+        }
+    }
+
     /// A picture of radiance.
     pub(crate) fn image(&self) -> Result<Image, SceneError> {
         let check = self.check();
@@ -85,7 +126,8 @@ impl Asset {
         let check = self.check();
         match self.extension().as_str() {
             "exr" => height_map::read_exr(check, &self.bytes),
-            other => Err(check.invalid("extension", "a picture of heights as .exr", other)),
+            "png" => picture::heights(check, &self.bytes),
+            other => Err(check.invalid("extension", "a picture of heights as .exr or .png", other)),
         }
     }
 

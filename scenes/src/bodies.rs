@@ -2,49 +2,84 @@
 
 use std::collections::HashMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use halflight_trace::{Body, Geometry};
 
-use crate::{Content, Object};
+use crate::{Content, PosedObject, Shape};
 
 /// Bodies by their content, kept as long as the scene or a copy of it: all copies share them.
 #[derive(Clone, Default)]
-pub struct Bodies(Arc<Mutex<HashMap<Key, Arc<Body>>>>);
+pub struct Bodies(Arc<Mutex<Held>>);
+
+#[derive(Default)]
+struct Held {
+    lasting: HashMap<Key, Arc<Body>>,
+    /// The last shape of each object that deforms.
+    passing: HashMap<u32, (Content, Arc<Body>)>,
+}
 
 /// The objects of a body, each with the index of its geometry.
 type Key = Vec<(u32, Content)>;
 
+/// A shape in a body.
+#[derive(Clone, Copy)]
+pub(crate) struct Part<'a> {
+    /// Of its geometry.
+    pub(crate) index: u32,
+    pub(crate) shape: &'a Shape,
+    pub(crate) content: Content,
+}
+
+impl<'a> Part<'a> {
+    pub(crate) fn new(index: u32, posed: &'a PosedObject) -> Self {
+        Part { index, shape: &posed.shape, content: posed.content }
+    }
+}
+
 impl Bodies {
-    /// The body of some objects in rest position. Geometry indices ascend; those left out are of empty geometries.
-    pub(crate) fn of(&self, objects: &[(u32, &Object)]) -> Arc<Body> {
-        let key: Key = objects.iter().map(|(index, object)| (*index, object.content)).collect();
-        if let Some(body) = self.held().get(&key) {
+    /// The body of some shapes, none carried along by a pose. Indices ascend; those left out are of empty geometries.
+    pub(crate) fn of(&self, parts: &[Part]) -> Arc<Body> {
+        let key: Key = parts.iter().map(|part| (part.index, part.content)).collect();
+        if let Some(body) = self.held().lasting.get(&key) {
             return body.clone();
         }
         // Not under the lock: the builder may hand this thread other work, which may ask for a body. Whoever is second
         // to build the same one throws his away.
-        let body = Arc::new(build(objects));
-        self.held().entry(key).or_insert(body).clone()
+        let body = Arc::new(build(parts));
+        self.held().lasting.entry(key).or_insert(body).clone()
     }
 
-    fn held(&self) -> std::sync::MutexGuard<'_, HashMap<Key, Arc<Body>>> {
+    /// The body of an object that has another shape in the next frame; only the last one is kept.
+    pub(crate) fn passing(&self, object: u32, part: Part) -> Arc<Body> {
+        if let Some((content, body)) = self.held().passing.get(&object)
+            && *content == part.content
+        {
+            return body.clone();
+        }
+        let body = Arc::new(build(&[part]));
+        self.held().passing.insert(object, (part.content, body.clone()));
+        body
+    }
+
+    fn held(&self) -> MutexGuard<'_, Held> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn build(objects: &[(u32, &Object)]) -> Body {
-    let count = objects.last().map_or(0, |(index, _)| *index as usize + 1);
+fn build(parts: &[Part]) -> Body {
+    let count = parts.last().map_or(0, |part| part.index as usize + 1);
     let mut geometries = vec![Geometry::Spheres(&[]); count];
-    for (index, object) in objects {
-        geometries[*index as usize] = object.shape.geometry();
+    for part in parts {
+        geometries[part.index as usize] = part.shape.geometry();
     }
     Body::build(&geometries)
 }
 
 impl fmt::Debug for Bodies {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Bodies({})", self.held().len())
+        let held = self.held();
+        write!(f, "Bodies({} and {} that deform)", held.lasting.len(), held.passing.len())
     }
 }
 
@@ -53,31 +88,41 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::{Rgb, Shape, Sphere};
+    use crate::Sphere;
 
-    fn ball(radius: f32) -> Object {
-        let shape = Shape::Spheres(vec![Sphere { center: Vec3::ZERO, radius }]);
-        let (name, content, pivot) = (String::new(), shape.content(), Vec3::ZERO);
-        Object {
-            name,
-            shape: Arc::new(shape),
-            content,
-            albedo: Rgb::ONE,
-            emission: Rgb::ZERO,
-            casts: true,
-            motion: Vec::new(),
-            pivot,
-        }
+    fn ball(radius: f32) -> Shape {
+        Shape::Spheres(vec![Sphere { center: Vec3::ZERO, radius }])
+    }
+
+    fn part(index: u32, shape: &Shape) -> Part<'_> {
+        Part { index, shape, content: shape.content() }
     }
 
     #[test]
     fn what_has_the_same_content_is_built_once() {
         let (bodies, small, large) = (Bodies::default(), ball(1.0), ball(2.0));
-        let first = bodies.of(&[(0, &small), (2, &large)]);
-        assert!(Arc::ptr_eq(&first, &bodies.clone().of(&[(0, &ball(1.0)), (2, &large)])));
-        for other in [vec![(0, &large), (2, &small)], vec![(0, &small), (1, &large)], vec![(0, &small)], Vec::new()] {
+        let first = bodies.of(&[part(0, &small), part(2, &large)]);
+        assert!(Arc::ptr_eq(&first, &bodies.clone().of(&[part(0, &ball(1.0)), part(2, &large)])));
+        let others = [
+            vec![part(0, &large), part(2, &small)],
+            vec![part(0, &small), part(1, &large)],
+            vec![part(0, &small)],
+            Vec::new(),
+        ];
+        for other in others {
             assert!(!Arc::ptr_eq(&first, &bodies.of(&other)));
         }
-        assert_eq!(format!("{bodies:?}"), "Bodies(5)");
+        assert_eq!(format!("{bodies:?}"), "Bodies(5 and 0 that deform)");
+    }
+
+    #[test]
+    fn of_what_deforms_the_last_shape_is_kept() {
+        let (bodies, small, large) = (Bodies::default(), ball(1.0), ball(2.0));
+        let first = bodies.passing(3, part(0, &small));
+        assert!(Arc::ptr_eq(&first, &bodies.passing(3, part(0, &small))));
+        let second = bodies.passing(3, part(0, &large));
+        assert!(!Arc::ptr_eq(&first, &second) && Arc::ptr_eq(&second, &bodies.passing(3, part(0, &large))));
+        assert!(!Arc::ptr_eq(&first, &bodies.passing(3, part(0, &small))));
+        assert_eq!(format!("{bodies:?}"), "Bodies(0 and 1 that deform)");
     }
 }

@@ -23,8 +23,10 @@ pub struct SceneFacts {
     pub key_lights: usize,
     /// Frames in the sequence.
     pub frames: usize,
-    /// Whether any object moves.
+    /// Whether any object moves or deforms.
     pub moving: bool,
+    /// Objects that change their shape.
+    pub deforming: usize,
     /// Receivers a frame.
     pub receivers: usize,
 }

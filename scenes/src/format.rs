@@ -1,10 +1,14 @@
 //! The scene file as it is written: plain data, unknown fields refused. Angles are in degrees here.
 
+mod animation;
 mod heights;
+mod solids;
 
 use serde::Deserialize;
 
+pub(crate) use animation::{CharacterFile, DeformFile, GltfFile, PlayFile};
 pub(crate) use heights::{HeightsFile, WaveFile};
+pub(crate) use solids::{BallFile, BlobFile, BlockFile, CylinderFile};
 
 /// A scene file.
 #[derive(Debug, Deserialize)]
@@ -90,12 +94,19 @@ pub(crate) struct ObjectFile {
     pub(crate) random_spheres: Option<RandomSpheresFile>,
     pub(crate) plane: Option<PlaneFile>,
     pub(crate) heights: Option<HeightsFile>,
+    pub(crate) ball: Option<BallFile>,
+    pub(crate) block: Option<BlockFile>,
+    pub(crate) cylinder: Option<CylinderFile>,
+    pub(crate) blob: Option<BlobFile>,
+    pub(crate) character: Option<CharacterFile>,
+    pub(crate) gltf: Option<GltfFile>,
     #[serde(default = "one")]
     pub(crate) scale: f32,
     pub(crate) rotate: Option<Rotation>,
     #[serde(default)]
     pub(crate) translate: [f32; 3],
-    pub(crate) albedo: [f32; 3],
+    /// Needed by all but glTF files, whose materials it replaces.
+    pub(crate) albedo: Option<[f32; 3]>,
     /// Radiance that leaves the front of its surface.
     #[serde(default)]
     pub(crate) emission: [f32; 3],
@@ -103,6 +114,7 @@ pub(crate) struct ObjectFile {
     pub(crate) casts: bool,
     #[serde(default)]
     pub(crate) motion: Vec<KeyFile>,
+    pub(crate) deform: Option<DeformFile>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,18 +1,30 @@
 //! Frames: the scene posed at one time.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
-use crate::{Pose, Receivers, Revision};
+use crate::{Content, Pose, Receivers, Revision, Shape};
 
 /// An object of the scene at one time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PosedObject {
     /// Index into [`crate::Scene::objects`].
     pub object: usize,
+    /// Its shape at this time, not yet carried along by the pose: that at rest unless it deforms.
+    pub shape: Arc<Shape>,
+    /// Hash of the shape.
+    pub content: Content,
     /// Rigid motion from rest.
     pub pose: Pose,
     /// Changes exactly when shape, albedo, emission or pose does.
     pub revision: Revision,
+}
+
+impl PosedObject {
+    /// The shape where it is.
+    pub fn in_place(&self) -> Cow<'_, Shape> {
+        self.shape.posed(self.pose)
+    }
 }
 
 /// A light of the scene at one time.

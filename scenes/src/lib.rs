@@ -5,6 +5,7 @@
 //! references ever see. Space is right-handed, z up, in metres; radiance is linear Rec. 709.
 #![doc = include_str!("../README.md")]
 
+mod animation;
 mod assets;
 mod bodies;
 mod camera;
@@ -22,9 +23,13 @@ mod object;
 mod placement;
 mod random;
 mod receivers;
+mod resolution;
 mod scene;
 mod shipped;
+mod solids;
+mod texture;
 
+pub use animation::{Deformation, Form, Procedural};
 pub use assets::read_points_csv;
 pub use bodies::Bodies;
 pub use camera::Camera;
@@ -41,6 +46,7 @@ pub use placement::{Grid, Placement};
 pub use receivers::{Layout, Place, Receivers};
 pub use scene::{Scene, Which};
 pub use shipped::{find, shipped};
+pub use texture::Texture;
 
 /// Linear Rec. 709 red, green and blue.
 pub type Rgb = glam::Vec3;

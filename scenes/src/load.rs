@@ -1,9 +1,12 @@
 //! From a scene file to a scene.
 
+mod animated;
+mod body;
 mod heights;
 mod lights;
 mod objects;
 mod receivers;
+mod solids;
 
 use std::path::Path;
 
@@ -15,9 +18,9 @@ use crate::{Bodies, Camera, Placement, Scene, SceneError};
 
 /// Most pixels along a side of a picture or grid, frames, and receivers over all frames: a plan holds every frame at once, about
 /// 80 bytes a receiver.
-const MOST_PIXELS: usize = 1 << 14;
+pub(crate) const MOST_PIXELS: usize = 1 << 14;
 const MOST_FRAMES: usize = 1 << 20;
-const MOST_RECEIVERS: usize = 1 << 25;
+pub(crate) const MOST_RECEIVERS: usize = 1 << 25;
 
 impl Scene {
     /// Loads and checks a scene file. Asset paths in it are relative to its folder.

@@ -29,6 +29,17 @@ impl Mesh {
         face_normal(self.corners(triangle)).as_vec3()
     }
 
+    /// Texture coordinates on a triangle, at weights of its second and third corner; zero where the mesh has none.
+    pub fn uv(&self, triangle: usize, [v, w]: [f32; 2]) -> Vec2 {
+        match self.uvs.is_empty() {
+            true => Vec2::ZERO,
+            false => {
+                let [a, b, c] = self.triangles[triangle].map(|i| self.uvs[i as usize]);
+                a * (1.0 - v - w) + b * v + c * w
+            }
+        }
+    }
+
     /// The mesh carried along by a pose.
     pub fn posed(&self, pose: Pose) -> Mesh {
         Mesh {

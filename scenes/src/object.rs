@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use halflight_trace::Geometry;
 
 use crate::content::Collector;
-use crate::{Content, HeightField, Mesh, Revision, Rgb, Sphere};
+use crate::{Content, Deformation, HeightField, Mesh, Revision, Rgb, Sphere, Texture};
 
 /// What an object is made of, in rest position (the scene file's transform applied).
 #[derive(Clone, Debug)]
@@ -101,12 +101,14 @@ impl Pose {
 pub struct Object {
     /// Unique within the scene.
     pub name: String,
-    /// Geometry in rest position.
+    /// Geometry in rest position, undeformed.
     pub shape: Arc<Shape>,
     /// Hash of the shape.
     pub content: Content,
     /// Diffuse albedo in `[0, 1]`.
     pub albedo: Rgb,
+    /// By which the albedo is multiplied, where the mesh has texture coordinates.
+    pub texture: Option<Texture>,
     /// Radiance that leaves the front of its surface, the side of its geometric normals, in every direction. An object that
     /// emits is an area light: a sphere a spherical one, a polygon a polygonal one.
     pub emission: Rgb,
@@ -118,9 +120,33 @@ pub struct Object {
     pub motion: Vec<(f32, Pose)>,
     /// The point about which the motion rotates.
     pub pivot: Vec3,
+    /// How its mesh changes its shape, before the motion carries it along.
+    pub deformation: Option<Arc<Deformation>>,
 }
 
 impl Object {
+    /// The shape at a time in seconds, not yet carried along, and its content.
+    pub(crate) fn shape_at(&self, time: f32) -> (Arc<Shape>, Content) {
+        match (&self.deformation, &*self.shape) {
+            (Some(deformation), Shape::Mesh(rest)) => {
+                let shape = Shape::Mesh(deformation.at(rest, time));
+                let content = shape.content();
+                (Arc::new(shape), content)
+            }
+            _ => (self.shape.clone(), self.content),
+        }
+    }
+
+    /// Diffuse albedo at texture coordinates.
+    pub fn albedo_at(&self, uv: Vec2) -> Rgb {
+        self.texture.as_ref().map_or(self.albedo, |texture| self.albedo * texture.at(uv))
+    }
+
+    /// Whether it is the same at all times.
+    pub fn rests(&self) -> bool {
+        self.motion.is_empty() && self.deformation.is_none()
+    }
+
     /// The pose at a time in seconds; the first and last key hold before and after.
     pub fn pose_at(&self, time: f32) -> Pose {
         let next = self.motion.partition_point(|(key, _)| *key <= time);
@@ -138,9 +164,11 @@ impl Object {
         self.emission != Rgb::ZERO
     }
 
-    /// The revision of the object under a pose: changes exactly when shape, albedo, emission or pose does.
-    pub(crate) fn revision(&self, pose: Pose) -> Revision {
-        let posed = Collector::new("posed").content(self.content).vec3(self.albedo).vec3(self.emission);
+    /// The revision of the object with a shape under a pose: changes exactly when shape, albedo, texture, emission or pose does.
+    pub(crate) fn revision(&self, shape: Content, pose: Pose) -> Revision {
+        let posed = Collector::new("posed").content(shape).vec3(self.albedo);
+        let posed =
+            posed.list(self.texture.as_slice(), |all, texture| all.content(texture.content())).vec3(self.emission);
         posed.quat(pose.rotation).vec3(pose.translation).finish().revision()
     }
 }
@@ -159,10 +187,12 @@ mod tests {
             shape: Arc::new(shape),
             content,
             albedo: Rgb::ONE,
+            texture: None,
             emission: Rgb::ZERO,
             casts: true,
             motion,
             pivot,
+            deformation: None,
         }
     }
 
@@ -195,12 +225,12 @@ mod tests {
     fn revision_follows_shape_albedo_emission_and_pose_alone() {
         let ball = object(Vec::new(), Vec3::ZERO);
         let same = Object { name: "other".into(), ..ball.clone() };
-        assert_eq!(ball.revision(Pose::IDENTITY), same.revision(Pose::IDENTITY));
-        assert_ne!(ball.revision(Pose::IDENTITY), ball.revision(turn(0.0, Vec3::X)));
+        assert_eq!(ball.revision(ball.content, Pose::IDENTITY), same.revision(same.content, Pose::IDENTITY));
+        assert_ne!(ball.revision(ball.content, Pose::IDENTITY), ball.revision(ball.content, turn(0.0, Vec3::X)));
         let grey = Object { albedo: Rgb::splat(0.5), ..ball.clone() };
-        assert_ne!(ball.revision(Pose::IDENTITY), grey.revision(Pose::IDENTITY));
+        assert_ne!(ball.revision(ball.content, Pose::IDENTITY), grey.revision(grey.content, Pose::IDENTITY));
         let lamp = Object { emission: Rgb::X, ..ball.clone() };
-        assert_ne!(ball.revision(Pose::IDENTITY), lamp.revision(Pose::IDENTITY));
+        assert_ne!(ball.revision(ball.content, Pose::IDENTITY), lamp.revision(lamp.content, Pose::IDENTITY));
         assert_ne!(ball.content, object(Vec::new(), Vec3::X).content);
     }
 }

@@ -90,13 +90,14 @@ pub(crate) fn points(points: &[(Vec3, Vec3)]) -> Receivers {
 }
 
 /// The vertices of a mesh under a pose; those that belong to no triangle are not valid.
-pub(crate) fn vertices(object: usize, mesh: &Mesh, albedo: Rgb) -> Receivers {
+pub(crate) fn vertices(object: usize, mesh: &Mesh, look: &Object) -> Receivers {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|vertex| used[*vertex as usize] = true);
     let receiver = |(index, used): (usize, bool)| {
         let normal = mesh.normals[index];
         let uv = mesh.uvs.get(index).copied().unwrap_or(Vec2::ZERO);
         let place = Place { object: Some(object as u32), primitive: index as u32, uv, ..Place::NOWHERE };
+        let albedo = look.albedo_at(uv);
         used.then_some(Receiver { position: mesh.positions[index], geometric_normal: normal, normal, albedo, place })
     };
     Receivers::gather(Layout::List, &used.into_iter().enumerate().map(receiver).collect::<Vec<_>>())
@@ -138,14 +139,14 @@ pub(crate) fn pixels<S: AsRef<Shape> + Sync>(
         .map(|(ray, hit): (&Ray, Option<Hit>)| {
             let hit = hit?;
             let object = hit.geometry as usize;
-            Some(surface(ray, &hit, posed[object].as_ref(), objects[object].albedo))
+            Some(surface(ray, &hit, posed[object].as_ref(), &objects[object]))
         })
         .collect();
     Receivers::gather(Layout::Image { width, height }, &seen)
 }
 
 /// The surface at a hit, on the side that the ray comes from.
-fn surface(ray: &Ray, hit: &Hit, shape: &Shape, albedo: Rgb) -> Receiver {
+fn surface(ray: &Ray, hit: &Hit, shape: &Shape, look: &Object) -> Receiver {
     let (position, geometric_normal, normal, uv) = match shape {
         Shape::Mesh(mesh) => on_mesh(ray, hit, mesh),
         Shape::Heights(field) => on_mesh(ray, hit, field.mesh()),
@@ -157,7 +158,7 @@ fn surface(ray: &Ray, hit: &Hit, shape: &Shape, albedo: Rgb) -> Receiver {
         }
     };
     let place = Place { object: Some(hit.geometry), primitive: hit.primitive, barycentrics: hit.barycentrics, uv };
-    Receiver { position, geometric_normal, normal, albedo, place }
+    Receiver { position, geometric_normal, normal, albedo: look.albedo_at(uv), place }
 }
 
 fn on_mesh(ray: &Ray, hit: &Hit, mesh: &Mesh) -> (Vec3, Vec3, Vec3, Vec2) {
@@ -167,10 +168,7 @@ fn on_mesh(ray: &Ray, hit: &Hit, mesh: &Mesh) -> (Vec3, Vec3, Vec3, Vec2) {
     let blend = |values: &[Vec3]| (0..3).map(|corner| values[indices[corner]] * weights[corner]).sum::<Vec3>();
     let face = mesh.face_normal(hit.primitive as usize);
     let geometric_normal = if face.dot(ray.direction) > 0.0 { -face } else { face };
-    let uv = match mesh.uvs.is_empty() {
-        true => Vec2::ZERO,
-        false => (0..3).map(|corner| mesh.uvs[indices[corner]] * weights[corner]).sum(),
-    };
+    let uv = mesh.uv(hit.primitive as usize, hit.barycentrics);
     // The corners' normals together say which side of the face they mean: files disagree with their winding.
     let meant: f32 = indices.iter().map(|i| mesh.normals[*i].dot(geometric_normal)).sum();
     let normal = above(blend(&mesh.normals) * meant.signum(), geometric_normal);

@@ -1,11 +1,11 @@
 //! The scene: everything that a scene file says, loaded and checked.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::Vec3;
 use halflight_trace::{Instance, World};
 
+use crate::bodies::Part;
 use crate::content::Collector;
 use crate::{
     Bodies, Camera, Content, Frame, Light, Object, Placement, Pose, PosedLight, PosedObject, Receivers, Rgb,
@@ -57,7 +57,8 @@ impl Scene {
             casters: self.objects.iter().filter(|object| object.casts).count(),
             emitters: self.objects.iter().filter(|object| object.emits()).count(),
             frames: self.frame_count,
-            moving: self.objects.iter().any(|object| !object.motion.is_empty()),
+            moving: self.objects.iter().any(|object| !object.rests()),
+            deforming: self.objects.iter().filter(|object| object.deformation.is_some()).count(),
             receivers: self.receiver_count(),
             ..SceneFacts::default()
         };
@@ -85,9 +86,10 @@ impl Scene {
     pub fn frame(&self, index: usize) -> Frame {
         assert!(index < self.frame_count, "the scene has {} frames", self.frame_count);
         let time = index as f32 / self.fps;
-        let pose = |(object, content): (usize, &Object)| {
-            let pose = content.pose_at(time);
-            PosedObject { object, pose, revision: content.revision(pose) }
+        let pose = |(index, object): (usize, &Object)| {
+            let (shape, content) = object.shape_at(time);
+            let pose = object.pose_at(time);
+            PosedObject { object: index, shape, content, pose, revision: object.revision(content, pose) }
         };
         let objects: Vec<PosedObject> = self.objects.iter().enumerate().map(pose).collect();
         let lights = self.lights.iter().enumerate();
@@ -120,6 +122,8 @@ impl Scene {
         let all = all.list(&self.objects, |all, object| {
             let all = all.content(object.content).vec3(object.albedo).vec3(object.emission);
             let all = all.word(object.casts.into()).vec3(object.pivot);
+            let all = all.list(object.texture.as_slice(), |all, texture| all.content(texture.content()));
+            let all = all.list(object.deformation.as_slice(), |all, deformation| all.content(deformation.content()));
             all.list(&object.motion, |all, (time, pose)| all.float(*time).quat(pose.rotation).vec3(pose.translation))
         });
         let all = all.list(&self.lights, |all, light| all.content(light.content()));
@@ -128,19 +132,19 @@ impl Scene {
         self.placement.collect(all).finish()
     }
 
-    fn posed(&self, objects: &[PosedObject]) -> Vec<Cow<'_, Shape>> {
-        objects.iter().map(|posed| self.objects[posed.object].shape.posed(posed.pose)).collect()
-    }
-
     /// What never moves is one body, so that rays pay for two levels only where something does.
     fn trace(&self, posed: &[PosedObject], which: Which) -> World {
         let held = posed.iter().filter(|posed| which == Which::All || self.objects[posed.object].casts);
-        let (fixed, moving): (Vec<_>, Vec<_>) = held
-            .map(|posed| (posed.object as u32, &self.objects[posed.object], posed.pose))
-            .partition(|(_, object, pose)| object.motion.is_empty() && *pose == Pose::IDENTITY);
-        let fixed: Vec<_> = fixed.into_iter().map(|(index, object, _)| (index, object)).collect();
-        let instance = |(index, object, pose): (u32, &Object, Pose)| {
-            Instance::new(self.bodies.of(&[(0, object)]), pose.rotation, pose.translation, index)
+        let (fixed, moving): (Vec<_>, Vec<_>) =
+            held.partition(|posed| self.objects[posed.object].rests() && posed.pose == Pose::IDENTITY);
+        let fixed: Vec<Part> = fixed.into_iter().map(|posed| Part::new(posed.object as u32, posed)).collect();
+        let instance = |posed: &PosedObject| {
+            let (index, part) = (posed.object as u32, Part::new(0, posed));
+            let body = match self.objects[posed.object].deformation {
+                None => self.bodies.of(&[part]),
+                Some(_) => self.bodies.passing(index, part),
+            };
+            Instance::new(body, posed.pose.rotation, posed.pose.translation, index)
         };
         World::new(self.bodies.of(&fixed), &moving.into_iter().map(instance).collect::<Vec<_>>())
     }
@@ -149,16 +153,14 @@ impl Scene {
         match &self.placement {
             Placement::Camera => {
                 let camera = self.camera.as_ref().expect("a scene with camera receivers has a camera");
-                let posed = self.posed(objects);
+                let posed: Vec<_> = objects.iter().map(PosedObject::in_place).collect();
                 placement::pixels(camera, &self.trace(objects, Which::All), &self.objects, &posed)
             }
-            Placement::Vertices { object } => match &*self.objects[*object].shape {
-                Shape::Mesh(mesh) => {
-                    placement::vertices(*object, &mesh.posed(objects[*object].pose), self.objects[*object].albedo)
-                }
+            Placement::Vertices { object } => match &*objects[*object].in_place() {
+                Shape::Mesh(mesh) => placement::vertices(*object, mesh, &self.objects[*object]),
                 _ => unreachable!("vertex receivers lie on a mesh"),
             },
-            Placement::Heights { object } => match &*self.objects[*object].shape.posed(objects[*object].pose) {
+            Placement::Heights { object } => match &*objects[*object].in_place() {
                 Shape::Heights(field) => placement::heights(*object, field, self.objects[*object].albedo),
                 _ => unreachable!("receivers of a height field lie on one"),
             },

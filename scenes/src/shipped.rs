@@ -22,16 +22,22 @@ pub fn shipped() -> Vec<(String, PathBuf, String)> {
     scenes.into_iter().map(|(name, purpose, path)| (name, path, purpose)).collect()
 }
 
-/// Loads a shipped scene by its name, or any scene by the path of its file.
+/// Loads a shipped scene by its name, or any scene by the path of its file. Where `@FACTOR` follows, its receivers are as many
+/// more or fewer as [`Scene::at_resolution`] says.
 ///
 /// # Errors
-/// A name that is neither, or what is wrong with the scene.
+/// A name that is neither, or what is wrong with the scene or the factor.
 pub fn find(name_or_path: &str) -> Result<Scene, SceneError> {
     let shipped = shipped();
     if let Some((_, path, _)) = shipped.iter().find(|(name, ..)| name == name_or_path) {
         return Scene::load(path);
     }
     let path = Path::new(name_or_path);
+    let is_factor = |text: &str| !text.contains(std::path::is_separator) && !text.ends_with(".toml");
+    match name_or_path.rsplit_once('@') {
+        Some((whole, factor)) if is_factor(factor) && !path.is_file() => return find(whole)?.at_resolution(factor),
+        _ => {}
+    }
     if path.is_file() || path.extension().is_some_and(|extension| extension == "toml") {
         return Scene::load(path);
     }

@@ -117,10 +117,12 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         content: shape.content(),
         shape: Arc::new(shape),
         albedo: Rgb::new(0.8, 0.6, 0.4),
+        texture: None,
         emission: Rgb::ZERO,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,
+        deformation: None,
     }
 }
 

@@ -87,6 +87,14 @@ fn hybrid<T: Real>(workspace: &mut ExpWorkspace<T>, f: &[T], out: &mut [T]) {
     workspace.hybrid(SquaringRule::default(), f, out);
 }
 
+fn linear<T: Real>(workspace: &mut ExpWorkspace<T>, f: &[T], out: &mut [T]) {
+    workspace.optimal_linear(f, out);
+}
+
+fn scaled_series<T: Real>(workspace: &mut ExpWorkspace<T>, f: &[T], out: &mut [T]) {
+    workspace.scaled_series(5, SquaringRule::default(), f, out);
+}
+
 fn plain_series<T: Real>(workspace: &mut ExpWorkspace<T>, f: &[T], out: &mut [T]) {
     workspace.product_series(4, f, out);
 }
@@ -108,7 +116,9 @@ fn what_a_variant_lacks_is_reported() {
     let found = check(&series);
     assert!(!found.is_empty() && found.iter().all(|v| v.identity == "exp(f + c·1) = e^c exp(f)"), "{found:?}");
     assert_eq!(check(&Ours::<f64> { isolates_mean: false, ..series }), []);
-    assert_eq!(check(&Ours::<f64> { exp: hybrid, tolerance: 1e-12, ..double(Breakage::None) }), []);
+    for exp in [hybrid, linear, scaled_series] {
+        assert_eq!(check(&Ours::<f64> { exp, tolerance: 1e-12, ..double(Breakage::None) }), []);
+    }
 }
 
 #[test]

@@ -39,6 +39,7 @@ pub use key::{Key, KeyError};
 pub use merge::Merged;
 pub use picture::{Layout, Picture, PictureError, ReferencePicture};
 pub use record::{
-    Cell, CrossCheck, Environment, Failure, Params, Phase, Record, Run, SCHEMA, Score, Skip, Storage, Timing,
+    Calibration, Cell, CrossCheck, Environment, Failure, Params, Phase, Record, Run, SCHEMA, Score, Skip, Storage,
+    Times, Timing,
 };
 pub use store::{Store, StoreError};

@@ -11,6 +11,8 @@ use crate::{Cell, CrossCheck, Key, PictureError, Record, Score, Store, StoreErro
 pub struct Merged {
     /// Cells whose outcome was taken over.
     pub cells: usize,
+    /// Runs whose times were taken over.
+    pub times: usize,
     /// Scores that were taken over.
     pub scores: usize,
     /// Images that were copied.
@@ -44,6 +46,10 @@ impl Store {
                 }
                 self.append(theirs.clone())?;
                 merged.cells += 1;
+            }
+            if let Some(times) = from.times(&key).filter(|_| self.times(&key).is_none()) {
+                self.append(Record::Times(Box::new(times.clone())))?;
+                merged.times += 1;
             }
             for score in from.scores(&key) {
                 self.merge_score(from, score, cell, &mut merged)?;
@@ -111,7 +117,7 @@ impl Store {
             Record::Run(run) if run.image.as_ref().is_none_or(|image| self.has_image(image)) => 3,
             Record::Run(_) => 2,
             Record::Failure(_) => 1,
-            Record::Skip(_) | Record::Score(_) | Record::CrossCheck(_) => 0,
+            Record::Skip(_) | Record::Times(_) | Record::Score(_) | Record::CrossCheck(_) => 0,
         }
     }
 }

@@ -4,9 +4,11 @@ use crate::Key;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The version of the line format; written as `schema` on every line. Lines of another are refused by name:
-/// this is the first, so there is none to migrate from.
-pub const SCHEMA: u32 = 1;
+/// The version of the line format; written as `schema` on every line. Lines of another are refused by name.
+///
+/// Version 1 had times on the line of the run, taken one cell after another: they cannot become [`Times`], and results are
+/// quicker made again than guessed at.
+pub const SCHEMA: u32 = 2;
 
 /// A method's parameters, by name.
 pub type Params = BTreeMap<String, serde_json::Value>;
@@ -21,6 +23,8 @@ pub enum Record {
     Skip(Skip),
     /// A cell whose run failed.
     Failure(Failure),
+    /// The times of a run.
+    Times(Box<Times>),
     /// The errors of a run's picture against one reference.
     Score(Score),
     /// What another program says to the truth.
@@ -28,13 +32,13 @@ pub enum Record {
 }
 
 impl Record {
-    /// The cell that a run, skip or failure is about; none for a score or a cross-check.
+    /// The cell that a run, skip or failure is about; none for what is said about a run later, or a cross-check.
     pub fn cell(&self) -> Option<&Cell> {
         match self {
             Record::Run(run) => Some(&run.cell),
             Record::Skip(skip) => Some(&skip.cell),
             Record::Failure(failure) => Some(&failure.cell),
-            Record::Score(_) | Record::CrossCheck(_) => None,
+            Record::Times(_) | Record::Score(_) | Record::CrossCheck(_) => None,
         }
     }
 }
@@ -95,9 +99,10 @@ pub struct Run {
     pub image: Option<Key>,
     /// Why the method serves this scene only approximately, where it says so.
     pub approximate: Option<String>,
-    /// Times by span. The whole of a phase bears the phase's own name (`prepare`, `update`, `shade`); any other name is a
-    /// span inside the phase that it states.
-    pub phases: BTreeMap<String, Timing>,
+    /// Phases that were carried out for another cell, and served this one's picture too: by the phase's name the key of that
+    /// cell. Each cell is timed by itself all the same.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub shared: BTreeMap<String, Key>,
     /// Build time in nanoseconds of each piece of derived data used, charged apart from the phases. A piece that came
     /// from a cache keeps the time that building it took.
     pub derived: BTreeMap<String, f64>,
@@ -107,6 +112,31 @@ pub struct Run {
     pub footprint: Vec<Storage>,
     /// Where it ran.
     pub environment: Environment,
+}
+
+/// The times of a run, taken in rounds beside those of other cells, so that what slows the machine for a while slows all.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Times {
+    /// The run's cell key.
+    pub run: Key,
+    /// Seconds since 1970-01-01 UTC when the last round ended.
+    pub taken: u64,
+    /// Cells that took part in the rounds, this one included.
+    pub beside: usize,
+    /// Times by span. The whole of a phase bears the phase's own name (`prepare`, `update`, `shade`); any other name is a
+    /// span inside the phase that it states.
+    pub phases: BTreeMap<String, Timing>,
+    /// How fast the machine was meanwhile.
+    pub calibration: Calibration,
+}
+
+/// Wall times in nanoseconds of two fixed pieces of work on as many threads as the run used, one sample a round.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// Multiplications and additions in registers: tells of the clock's frequency and of others on the same core.
+    pub compute: Vec<f64>,
+    /// Reading memory in order: tells of others on the same memory.
+    pub memory: Vec<f64>,
 }
 
 /// The three phases of a method.

@@ -2,7 +2,7 @@
 
 use crate::exr::read_bytes;
 use crate::lines::{self, Appender};
-use crate::{Cell, Claim, CrossCheck, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score};
+use crate::{Cell, Claim, CrossCheck, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score, Times};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -17,6 +17,7 @@ pub struct Store {
     /// Each cell's first record stands for its place, the last for its content.
     cells: HashMap<Key, usize>,
     order: Vec<Key>,
+    times: HashMap<Key, usize>,
     scores: HashMap<Key, Vec<usize>>,
     warnings: Vec<String>,
     /// Bytes of the file that were read, all of them whole lines; the last may lack its line feed.
@@ -92,6 +93,7 @@ impl Store {
             records: Vec::new(),
             cells: HashMap::new(),
             order: Vec::new(),
+            times: HashMap::new(),
             scores: HashMap::new(),
             warnings: Vec::new(),
             read: 0,
@@ -189,6 +191,14 @@ impl Store {
     /// The latest outcome of every cell, in the order in which cells first appeared.
     pub fn outcomes(&self) -> impl Iterator<Item = &Record> {
         self.order.iter().filter_map(|key| self.outcome(key))
+    }
+
+    /// The latest times of a run; none where it was not timed yet.
+    pub fn times(&self, cell: &Key) -> Option<&Times> {
+        match self.records.get(*self.times.get(cell)?) {
+            Some(Record::Times(times)) => Some(times),
+            _ => None,
+        }
     }
 
     /// The scores of a run's present picture, one a reference and metrics version, the latest where there are several.
@@ -336,6 +346,7 @@ impl Store {
                     self.order.push(key);
                 }
             }
+            (Record::Times(times), None) => drop(self.times.insert(times.run.clone(), place)),
             (Record::Score(score), None) => self.scores.entry(score.run.clone()).or_default().push(place),
             (_, None) => {}
         }

@@ -1,6 +1,6 @@
 //! Merging stores.
 
-use halflight_results::{Cell, Failure, Key, Layout, Picture, Record, Run, Score, Store};
+use halflight_results::{Calibration, Cell, Failure, Key, Layout, Picture, Record, Run, Score, Store, Times};
 use std::fs;
 use std::path::Path;
 
@@ -35,6 +35,12 @@ fn score(store: &mut Store, seed: u64, image: &Key, rmse: f64) {
         measures: [("rmse".to_owned(), rmse)].into(),
     };
     store.append(Record::Score(score)).unwrap();
+}
+
+fn times(store: &mut Store, seed: u64, taken: u64) {
+    let (phases, calibration) = (Default::default(), Calibration::default());
+    let times = Times { run: cell(seed).key(), taken, beside: 1, phases, calibration };
+    store.append(Record::Times(Box::new(times))).unwrap();
 }
 
 fn failure(store: &mut Store, seed: u64) {
@@ -128,4 +134,17 @@ fn a_damaged_picture_is_not_copied() {
     assert!(merged.missing[0].contains("damaged"), "{:?}", merged.missing);
     assert!(!out.image_path(&image).exists());
     assert_eq!(merged.cells, 1, "its times and counters are worth keeping");
+}
+
+#[test]
+fn times_are_taken_over_where_there_are_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let [mut a, mut b, mut out] = stores(dir.path());
+    for (store, level, taken) in [(&mut a, 0.1, 5), (&mut b, 0.1, 7)] {
+        run(store, 1, level, 0);
+        times(store, 1, taken);
+    }
+    assert_eq!(out.merge(&a).unwrap().times, 1);
+    assert_eq!((out.merge(&b).unwrap().times, out.merge(&a).unwrap().times), (0, 0));
+    assert_eq!(out.times(&cell(1).key()).unwrap().taken, 5);
 }

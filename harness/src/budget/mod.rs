@@ -93,8 +93,8 @@ impl Asked<'_> {
             }
             What::Method(method, params) => {
                 let (backend, cache) = (Backend::Cpu, &self.cache);
-                let task = Task { scene, method: *method, params, quantity, backend, seed, repeats: 0, cache };
-                let shaded = Runner::new(task).shade(&self.frame, steps);
+                let task = Task { scene, method: *method, params, quantity, backend, seed, cache };
+                let shaded = Runner::new(task).picture(&self.frame, steps);
                 let failed = |error| Error::Other(format!("{} failed on {}: {error}", method.info().id, scene.name));
                 let radiance = shaded.map_err(failed)?.radiance;
                 let variance = vec![Rgb::ZERO; radiance.len()];

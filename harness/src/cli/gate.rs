@@ -1,7 +1,7 @@
 //! `halflight gate`.
 
 use super::{CacheDir, Ending, HowGood, Out, Pick, say};
-use crate::gate::{Baselines, Comparison, Finding, Observed, SUITE, Verdict, compare, observe};
+use crate::gate::{Baselines, Comparison, Finding, Observed, SUITE, Verdict, compare, count, observe};
 use crate::plan::{Plan, Terms};
 use crate::run::Options;
 use clap::Args;
@@ -29,6 +29,9 @@ pub(super) struct Judged {
     cache: CacheDir,
     #[command(flatten)]
     how_good: HowGood,
+    /// Count instructions, too, where there is valgrind: about 3 s a method
+    #[arg(long)]
+    instructions: bool,
     /// Folder of baselines, one file a suite
     #[arg(long, value_name = "DIR", default_value = "reports/baselines")]
     baselines: PathBuf,
@@ -57,7 +60,13 @@ impl Judged {
         let mut store = Store::open(&self.out.out)?;
         store.warnings().iter().for_each(|warning| eprintln!("halflight: {warning}"));
         crate::run(&plan, &mut store, &Options { quality, ..Options::new(self.cache.path()?) })?;
-        let observed = observe(&plan, &entries, &store, &quality);
+        let mut observed = observe(&plan, &entries, &store, &quality);
+        if self.instructions {
+            match count()? {
+                Some(instructions) => observed.counted(instructions),
+                None => say("instructions are not counted: there is no valgrind"),
+            }
+        }
         Ok(Measured { observed, path: Baselines::path(&self.baselines, &suite), partial })
     }
 }
@@ -69,21 +78,41 @@ impl Gate {
         let expected = Baselines::read(&path)?;
         let expected = expected.ok_or_else(|| anyhow::anyhow!("{}: no baselines; {bless}", path.display()))?;
         let comparison = compare(&expected, &observed, partial);
-        comparison.findings.iter().for_each(|finding| say(&told(finding, &observed, self.strict)));
+        let [before, now] = [&expected, &observed.measured].map(|known| &known.instructions.with);
+        if !now.is_empty() && before != now {
+            say(&format!("instructions are not compared: counted with {now}, the baselines with {before}"));
+        }
+        let plan = format!("halflight plan{}", self.judged.pick.words());
+        comparison.findings.iter().for_each(|finding| say(&told(finding, &observed, &plan, self.strict)));
         let passes = comparison.passes(self.strict);
         say(&summary(&comparison, &observed, passes));
         Ok(if passes { Ending::Well } else { Ending::Differs })
     }
 }
 
-/// One line: what differs, and how to see it again.
-fn told(finding: &Finding, observed: &Observed, strict: bool) -> String {
+/// One line: what differs, and how to see it again; where that is nothing that was planned, `plan` says what is.
+fn told(finding: &Finding, observed: &Observed, plan: &str, strict: bool) -> String {
     let kind = match finding.verdict {
         Verdict::Improves if !strict => "better",
         _ => "FAILS",
     };
-    let again = observed.commands.get(&finding.subject).map(|command| format!(" [{command}]")).unwrap_or_default();
-    format!("{kind}: {}: {}{again}", finding.subject, finding.told)
+    let known = observed.commands.get(&finding.subject).cloned();
+    let again = known.or_else(|| by_name(&finding.subject)).unwrap_or_else(|| plan.to_owned());
+    format!("{kind}: {}: {} [{again}]", finding.subject, finding.told)
+}
+
+/// The command that makes what only the baselines know: `scene · method name=value … · quantity` or a reference's.
+fn by_name(subject: &str) -> Option<String> {
+    let [scene, what, quantity, ..] = subject.split(" · ").collect::<Vec<_>>()[..] else { return None };
+    let quantity = if quantity == "direct" { String::new() } else { format!(" --quantity {quantity}") };
+    let mut words = what.split(' ');
+    Some(match words.next().filter(|id| id.contains('/')) {
+        Some(method) => {
+            let set: String = words.map(|set| format!(" --set {set}")).collect();
+            format!("halflight run --scene {scene}{quantity} --method {method}{set}")
+        }
+        None => format!("halflight refs build --scene {scene}{quantity} --reference {what}"),
+    })
 }
 
 fn summary(comparison: &Comparison, observed: &Observed, passes: bool) -> String {

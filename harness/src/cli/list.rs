@@ -32,8 +32,9 @@ struct Entry {
 }
 
 /// The error measures by the names that result lines use.
-const METRICS: [(&str, &str); 10] = [
+const METRICS: [(&str, &str); 11] = [
     ("rmse", "root mean square error, radiance"),
+    ("rmse_standard_error", "standard error of rmse by the reference's noise, radiance"),
     ("rel_mse", "relative mean square error, mean((x−r)²/(r²+0.01))"),
     ("mae", "mean absolute error, radiance"),
     ("bias", "mean signed error, radiance; negative is too dark"),

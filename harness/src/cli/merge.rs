@@ -29,7 +29,7 @@ impl Merge {
         let mut changed = false;
         for source in &sources {
             let merged = store.merge(source)?;
-            changed |= merged.cells + merged.scores + merged.images > 0;
+            changed |= merged.cells + merged.times + merged.scores + merged.images > 0;
             let from = source.dir().display();
             for warning in source.warnings().iter().chain(&merged.conflicts).chain(&merged.missing) {
                 eprintln!("halflight: {from}: {warning}");

@@ -1,7 +1,9 @@
 //! The command line. Exit codes: 0 all is well, 1 cells failed, pictures differ or references are not as they should be, 2 the request cannot be carried out.
 
+mod accuracy;
 mod bless;
 mod budget;
+mod count;
 mod crosscheck;
 mod diff;
 mod doctor;
@@ -9,29 +11,36 @@ mod export;
 mod gate;
 mod list;
 mod merge;
+mod pareto;
 mod paths;
 mod plan;
 mod probe;
 mod refs;
 mod report;
 mod run;
+mod scaling;
 mod score;
 mod table;
+mod threads;
 
+use crate::plan::{Plan as Work, Terms};
 use crate::select::Selection;
 use crate::settings::Setting;
 use clap::{Args, Parser, Subcommand};
 use halflight_references::Quality;
+use halflight_results::Environment;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use threads::Threads;
 
 /// The laboratory bench for low-frequency light: soft-shadow methods on shared scenes, held against ray-traced references.
 #[derive(Parser)]
 #[command(name = "halflight", version)]
 struct Cli {
-    /// Threads for all work; all cores if not given. Results do not depend on it.
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    /// Threads for all work; all cores if not given. Results do not depend on it, but times do: `run` takes several numbers,
+    /// such as 1,all, and times every cell on each
+    #[arg(long, global = true, value_name = "N", value_delimiter = ',')]
+    threads: Vec<Threads>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -40,10 +49,14 @@ struct Cli {
 enum Command {
     /// Run what is not in the results yet, score it, and write the report (the default: the `quick` suite)
     Run(run::Run),
+    /// Time cells that differ in one number (the default: the `scaling` suite) and fit power laws to their times
+    Scaling(scaling::Scaling),
     /// Print every cell and what would be done about it, without doing it
     Plan(plan::Plan),
     /// Make the report again from a results directory
     Report(report::Report),
+    /// Print which settings no other beats: error against time and against memory, on every scene and over scenes
+    Pareto(pareto::Pareto),
     /// Score stored pictures again against their stored references, where the error measures are newer than the scores
     Score(score::Score),
     /// Put the results of several directories into one
@@ -56,6 +69,9 @@ enum Command {
     Refs(refs::Refs),
     /// Run what is not in the results yet (the default: the `gate` suite) and hold all of it against the baselines
     Gate(gate::Gate),
+    /// Shade a small frame, for valgrind to count its instructions
+    #[command(hide = true)]
+    Count(count::Count),
     /// Make what was measured the baselines, and say what changes
     Bless(bless::Bless),
     /// Compare two EXR pictures, or the pictures of two results directories
@@ -64,6 +80,8 @@ enum Command {
     Export(export::Export),
     /// Hold the truth against what another renderer found in an exported scene
     Crosscheck(crosscheck::Check),
+    /// Measure how accurate an algebra is, and hold it against what is stated of it
+    Accuracy(accuracy::Accuracy),
     /// List what there is
     List(list::List),
     /// Show the machine, the build and the folders, and verify the shipped scenes
@@ -82,7 +100,8 @@ struct Pick {
     /// A method, repeatable; all if not given
     #[arg(long, value_name = "METHOD")]
     method: Vec<String>,
-    /// Values of a parameter, repeatable: order=4, order=2..6, p=2,4; for the methods that declare it
+    /// Values of a parameter, repeatable, for the methods that declare it: order=4, order=2..6, p=2,4, self-shadow=all,
+    /// spheres=log(16..256,5) for 5 values of equal ratio, min-angle=lin(0..4,3) for equal steps
     #[arg(long, value_name = "NAME=VALUES")]
     set: Vec<Setting>,
     /// A reference, repeatable: truth, sh-light, sphere-proxies (bare names take the method's order and spheres), sh-light:6
@@ -97,6 +116,34 @@ struct Pick {
 }
 
 impl Pick {
+    /// These arguments again, as on the command line.
+    fn words(&self) -> String {
+        let all = |name: &str, values: &[String]| values.iter().map(|v| format!(" --{name} {v}")).collect::<String>();
+        let suite = self.suite.as_slice();
+        let lists = [("suite", suite), ("scene", &self.scene), ("method", &self.method), ("quantity", &self.quantity)];
+        let lists = lists.iter().map(|(name, values)| all(name, values)).collect::<String>();
+        lists
+            + &all("set", &self.set.iter().map(ToString::to_string).collect::<Vec<_>>())
+            + &all("reference", &self.reference)
+    }
+
+    /// What is asked for, this suite if nothing is, to be timed on each of these numbers of threads; on those of all work if
+    /// there is none.
+    ///
+    /// # Errors
+    /// As [`Work::new`].
+    fn plan(&self, suite: &str, threads: &[usize]) -> Result<Work, crate::Error> {
+        let environment = crate::environment();
+        let terms = Terms { seed: self.seed, timed_on: environment.class() };
+        let mut selection = self.selection();
+        if selection.names_nothing() {
+            selection.suite = Some(suite.to_owned());
+        }
+        let plan = Work::new(&selection.entries()?, &terms)?;
+        let class = |threads| Environment { threads, ..environment.clone() }.class();
+        Ok(if threads.is_empty() { plan } else { plan.on_threads(threads, class) })
+    }
+
     fn selection(&self) -> Selection {
         Selection {
             suite: self.suite.clone(),
@@ -185,24 +232,27 @@ fn one_line(error: &anyhow::Error) -> String {
 }
 
 fn act(cli: Cli) -> anyhow::Result<Ending> {
-    if let Some(threads) = cli.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()?;
-    }
+    let may_be_several = matches!(cli.command, None | Some(Command::Run(_) | Command::Plan(_) | Command::Scaling(_)));
+    let threads = threads::settle(&cli.threads, may_be_several)?;
     match cli.command {
-        None => run::Run::plain()?.act(),
-        Some(Command::Run(run)) => run.act(),
-        Some(Command::Plan(plan)) => plan.act(),
+        None => run::Run::plain()?.act(&threads),
+        Some(Command::Run(run)) => run.act(&threads),
+        Some(Command::Scaling(scaling)) => scaling.act(&threads),
+        Some(Command::Plan(plan)) => plan.act(&threads),
         Some(Command::Report(report)) => report.act(),
+        Some(Command::Pareto(pareto)) => pareto.act(),
         Some(Command::Score(score)) => score.act(),
         Some(Command::Merge(merge)) => merge.act(),
         Some(Command::Probe(probe)) => probe.act(),
         Some(Command::Budget(budget)) => budget.act(),
         Some(Command::Refs(refs)) => refs.act(),
         Some(Command::Gate(gate)) => gate.act(),
+        Some(Command::Count(count)) => count.act(),
         Some(Command::Bless(bless)) => bless.act(),
         Some(Command::Diff(diff)) => diff.act(),
         Some(Command::Export(export)) => export.act(),
         Some(Command::Crosscheck(check)) => check.act(),
+        Some(Command::Accuracy(accuracy)) => accuracy.act(),
         Some(Command::List(list)) => list.act(),
         Some(Command::Doctor(doctor)) => doctor.act(),
     }

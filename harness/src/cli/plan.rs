@@ -2,8 +2,8 @@
 
 use super::{Ending, Out, Pick, say};
 use crate::forecast::{Expected, Forecast, duration};
-use crate::plan::{Plan as Work, State, Terms};
-use crate::{Options, priority};
+use crate::plan::State;
+use crate::{DEFAULT_SUITE, Options, priority};
 use clap::Args;
 use halflight_contract::Support;
 use halflight_results::{Cell, Store};
@@ -18,23 +18,29 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub(super) fn act(&self) -> anyhow::Result<Ending> {
-        tell(&self.pick, &self.out, Options::REPEATS, None)
+    pub(super) fn act(&self, threads: &[usize]) -> anyhow::Result<Ending> {
+        tell(&self.pick, DEFAULT_SUITE, threads, &self.out, Options::REPEATS, None)
     }
 }
 
 /// Prints every cell with what would be done about it and how long that may take; with a budget in the order in which it is
 /// spent.
-pub(super) fn tell(pick: &Pick, out: &Out, repeats: usize, budget: Option<Duration>) -> anyhow::Result<Ending> {
+pub(super) fn tell(
+    pick: &Pick,
+    suite: &str,
+    threads: &[usize],
+    out: &Out,
+    repeats: usize,
+    budget: Option<Duration>,
+) -> anyhow::Result<Ending> {
     let environment = crate::environment::environment();
-    let terms = Terms { seed: pick.seed, timed_on: environment.class() };
-    let plan = Work::new(&pick.selection().entries()?, &terms)?;
+    let plan = pick.plan(suite, threads)?;
     let store = Store::open(&out.out)?;
     let forecast = Forecast::new(&store, &environment, repeats);
     let groups = if budget.is_some() { priority::order(&plan, &store) } else { plan.groups.iter().collect() };
     let (mut counts, mut expected) = ([0; 4], Expected::default());
     for group in groups {
-        let runs = |cell: &&Cell| group.state(cell, &store) == State::Run;
+        let runs = |cell: &&Cell| matches!(group.state(cell, &store), State::Run | State::Time);
         let more = forecast.sum(group.cells.iter().filter(runs));
         let over = budget.is_some_and(|budget| expected.seconds + more.seconds > budget.as_secs_f64());
         if !over {
@@ -43,8 +49,9 @@ pub(super) fn tell(pick: &Pick, out: &Out, repeats: usize, budget: Option<Durati
         for cell in &group.cells {
             let frame = if group.cells.len() > 1 { format!(" frame {}", cell.frame) } else { String::new() };
             let (kind, what) = match group.state(cell, &store) {
-                State::Run if over => (3, "left out, over the budget".to_owned()),
+                State::Run | State::Time if over => (3, "left out, over the budget".to_owned()),
                 State::Run => (0, run(group, forecast.seconds(cell))),
+                State::Time => (0, "time: the picture is in the store".to_owned()),
                 State::Cached => (1, "cached: the result is in the store".to_owned()),
                 State::Skip(why) => (2, format!("skip: {why}")),
             };

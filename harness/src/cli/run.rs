@@ -1,7 +1,7 @@
 //! `halflight run`.
 
 use super::{CacheDir, Ending, HowGood, Out, Pick, say};
-use crate::plan::{Plan, Terms};
+use crate::DEFAULT_SUITE;
 use crate::run::{Options, Summary};
 use clap::{Args, FromArgMatches};
 use halflight_results::Store;
@@ -17,8 +17,8 @@ pub(super) struct Run {
     cache: CacheDir,
     #[command(flatten)]
     how_good: HowGood,
-    /// Timed evaluations of each cell that is run, after one to warm up
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    /// Timed evaluations of each cell, after one to warm up, in turns with the other cells of its scene
+    #[arg(long, value_name = "N", default_value_t = Options::REPEATS as u16, value_parser = clap::value_parser!(u16).range(1..))]
     repeats: u16,
     /// Print every cell and what would be done about it, as `plan` does, and do nothing
     #[arg(long)]
@@ -37,13 +37,18 @@ impl Run {
         Ok(Self::from_arg_matches(&command.try_get_matches_from(["run"])?)?)
     }
 
-    pub(super) fn act(&self) -> anyhow::Result<Ending> {
+    pub(super) fn act(&self, threads: &[usize]) -> anyhow::Result<Ending> {
+        Ok(self.carry_out(DEFAULT_SUITE, threads)?.0)
+    }
+
+    /// Runs what is asked for, this suite if nothing is; with the results, if it was no dry run.
+    pub(super) fn carry_out(&self, suite: &str, threads: &[usize]) -> anyhow::Result<(Ending, Option<Store>)> {
         if self.dry_run {
-            return super::plan::tell(&self.pick, &self.out, self.repeats.into(), self.budget);
+            let told = super::plan::tell(&self.pick, suite, threads, &self.out, self.repeats.into(), self.budget)?;
+            return Ok((told, None));
         }
         let quality = self.how_good.quality()?;
-        let terms = Terms { seed: self.pick.seed, timed_on: crate::environment::environment().class() };
-        let plan = Plan::new(&self.pick.selection().entries()?, &terms)?;
+        let plan = self.pick.plan(suite, threads)?;
         let mut store = Store::open(&self.out.out)?;
         store.warnings().iter().for_each(|warning| eprintln!("halflight: {warning}"));
         let (repeats, budget) = (self.repeats.into(), self.budget);
@@ -59,7 +64,8 @@ impl Run {
         }
         say(&told(&summary));
         say(&format!("report: {}", report.display()));
-        Ok(if summary.failed + summary.unjudged > 0 { Ending::Differs } else { Ending::Well })
+        let ending = if summary.failed + summary.unjudged > 0 { Ending::Differs } else { Ending::Well };
+        Ok((ending, Some(store)))
     }
 }
 
@@ -78,6 +84,9 @@ fn told(s: &Summary) -> String {
         "{} cells run, {} cached, {} skipped, {} failed; {} references made, {} scores added",
         s.ran, s.cached, s.skipped, s.failed, s.references_made, s.scored
     );
+    if s.timed > s.ran {
+        line += &format!("; {} cells timed", s.timed);
+    }
     if s.left_out > 0 {
         line += &format!("; {} cells left out, over the budget", s.left_out);
     }

@@ -24,6 +24,10 @@ pub(super) fn write_scenes(scene: &Scene, frame: &Frame, out: &Path) -> Result<V
         let message = "emits but does not cast, which no shape of Mitsuba can; expected `casts = true`";
         return Err(Error::Other(format!("{}: object `{}` {message}", scene.name, lamp.name)));
     }
+    if let Some(object) = scene.objects.iter().find(|object| object.casts && object.texture.is_some()) {
+        let message = "reflects through a texture, which is not exported; expected one albedo";
+        return Err(Error::Other(format!("{}: object `{}` {message}", scene.name, object.name)));
+    }
     std::fs::create_dir_all(out).map_err(|source| Error::Io { path: out.to_owned(), source })?;
     write(&out.join("shapes.xml"), document(&shapes(scene, frame, false, out)?).as_bytes())?;
     let distant = |(index, light): (usize, &Light)| {
@@ -51,7 +55,7 @@ fn shapes(scene: &Scene, frame: &Frame, lit: bool, out: &Path) -> Result<String,
     for posed in &frame.objects {
         let object = &scene.objects[posed.object];
         let surface = surface(object, lit);
-        match &*object.shape.posed(posed.pose) {
+        match &*posed.in_place() {
             _ if !object.casts => {}
             Shape::Mesh(mesh) => text += &triangles(mesh, posed.object, &surface, out)?,
             Shape::Heights(field) => text += &triangles(field.mesh(), posed.object, &surface, out)?,

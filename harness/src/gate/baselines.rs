@@ -1,5 +1,6 @@
 //! Baselines: what was measured and blessed, as a text file of stable order whose lines change only with what they tell.
 
+use super::Instructions;
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -21,6 +22,9 @@ pub struct Baselines {
     pub cells: BTreeMap<String, CellBaseline>,
     /// Median over scenes of the shading time relative to [`super::PACE`], by method with its settings.
     pub paces: BTreeMap<String, f64>,
+    /// Instructions of a small frame by method; none where they were not counted.
+    #[serde(default)]
+    pub instructions: Instructions,
 }
 
 /// Block means of a reference: mean and standard error of each channel, and the effective number of receivers.
@@ -87,6 +91,12 @@ impl Baselines {
             // Times vary from run to run; a new one would be a line changed for nothing.
             *pace = *old.paces.get(method).filter(|old| (0.67..1.5).contains(&(*pace / **old))).unwrap_or(pace);
         }
+        let counts = &mut self.instructions;
+        if counts.counts.is_empty()
+            || counts.with == old.instructions.with && near(&counts.counts, &old.instructions.counts)
+        {
+            *counts = old.instructions.clone();
+        }
         if partial {
             let part = std::mem::replace(self, old.clone());
             self.references.extend(part.references);
@@ -145,6 +155,12 @@ impl Baselines {
         bytes.push(b'\n');
         String::from_utf8(bytes).expect("JSON is UTF-8")
     }
+}
+
+/// Whether the same methods have counts that differ by a thousandth at most, which is no news either.
+fn near(a: &BTreeMap<String, u64>, b: &BTreeMap<String, u64>) -> bool {
+    let near = |(a, b): (&u64, &u64)| a.abs_diff(*b) <= b / 1000;
+    a.keys().eq(b.keys()) && a.values().zip(b.values()).all(near)
 }
 
 /// Six significant digits: a hundred times finer than what is compared.

@@ -18,6 +18,12 @@ pub fn changes(old: &Baselines, new: &Baselines) -> Vec<String> {
     for (name, old, new) in pairs(&old.paces, &new.paces) {
         value(&mut lines, name, "relative shading time", old.map(f64::to_string), new.map(f64::to_string));
     }
+    if old.instructions.with != new.instructions.with && !new.instructions.with.is_empty() {
+        lines.push(format!("instructions: counted with {}", new.instructions.with));
+    }
+    for (name, old, new) in pairs(&old.instructions.counts, &new.instructions.counts) {
+        value(&mut lines, name, "instructions", old.map(u64::to_string), new.map(u64::to_string));
+    }
     lines
 }
 

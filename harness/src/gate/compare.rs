@@ -1,7 +1,7 @@
 //! Holding what was measured against baselines.
 
 use super::chance::{Chance, Estimated, LEVEL};
-use super::{Baselines, CellBaseline, Observed, PACE, ReferenceBaseline, ScoreBaseline};
+use super::{Baselines, CellBaseline, MORE, Observed, PACE, ReferenceBaseline, ScoreBaseline};
 use halflight_metrics::{COLUMNS, ROWS};
 use std::collections::BTreeMap;
 
@@ -60,6 +60,7 @@ pub fn compare(expected: &Baselines, found: &Observed, partial: bool) -> Compari
     comparing.pairs(&expected.cells, &found.measured.cells, Comparing::cell);
     comparing.pairs(&expected.references, &found.measured.references, Comparing::reference);
     comparing.times();
+    comparing.instructions();
     comparing.judge_chance();
     if comparing.comparison.checks == 0 {
         comparing.fails("the gate", "expected at least one check, found nothing to compare".into());
@@ -267,6 +268,33 @@ impl<'c> Comparing<'c> {
             if old.abs_diff(new) > slack {
                 self.fails(subject, format!("work, {counter}: expected {old}, found {new}"));
             }
+        }
+    }
+
+    /// Counts that were taken with the same compiler.
+    fn instructions(&mut self) {
+        let (old, new) = (&self.expected.instructions, &self.found.measured.instructions);
+        if old.with != new.with || new.counts.is_empty() {
+            return;
+        }
+        for (method, new) in &new.counts {
+            let subject = format!("instructions of {method}");
+            self.comparison.checks += 1;
+            match old.counts.get(method) {
+                Some(old) => {
+                    let share = *new as f64 / *old as f64 - 1.0;
+                    let side = match share {
+                        share if share > MORE => Side::Worse,
+                        share if share < -MORE => Side::Better,
+                        _ => Side::Equal,
+                    };
+                    self.sided(side, &subject, format!("expected {old}, found {new} ({:+.2}%)", 100.0 * share));
+                }
+                None => self.fails(&subject, "no baseline; if it is right, `halflight bless --instructions`".into()),
+            }
+        }
+        for method in old.counts.keys().filter(|method| !new.counts.contains_key(*method)) {
+            self.fails(&format!("instructions of {method}"), "expected by the baselines, not found".into());
         }
     }
 

@@ -11,6 +11,7 @@
 //! | memory by purpose | exactly |
 //! | counters of work | exactly on the same vector extensions, else within [`ROUNDING`] of their value |
 //! | shading time, relative to [`PACE`] on the same scene in the same run | up to [`SLOWER`] times the ratio that it was |
+//! | instructions of a small frame, where they are asked for and valgrind is there | within [`MORE`] of their number, by the same compiler |
 //!
 //! Kernels for different processors round differently, which may tip a rare decision (a squaring more, a guard): that is what
 //! [`ROUNDING`] is for. References trace the same bits everywhere. A picture that changes fails whether its error shrinks or
@@ -20,6 +21,7 @@ mod baselines;
 mod chance;
 mod changes;
 mod compare;
+pub(crate) mod instructions;
 mod observe;
 mod pace;
 
@@ -27,6 +29,7 @@ pub use baselines::{Baselines, CellBaseline, Noisy, ReferenceBaseline, ScoreBase
 pub use chance::LEVEL;
 pub use changes::changes;
 pub use compare::{Comparison, Finding, ROUNDING, SLOWER, Verdict, compare};
+pub use instructions::{Instructions, MORE, count};
 pub use observe::{Observed, observe};
 pub use pace::{PACE, Ratio};
 

@@ -2,7 +2,7 @@
 
 use super::baselines::{coarse, rounded};
 use super::pace::{Paces, Ratio};
-use super::{Baselines, CellBaseline, ReferenceBaseline, ScoreBaseline};
+use super::{Baselines, CellBaseline, Instructions, PACE, ReferenceBaseline, ScoreBaseline};
 use crate::plan::{Group, Plan, Stage, State};
 use crate::run::reference_key;
 use crate::score::view;
@@ -29,14 +29,28 @@ pub struct Observed {
     pub commands: BTreeMap<String, String>,
 }
 
+impl Observed {
+    /// Takes in instructions that were counted.
+    pub fn counted(&mut self, instructions: Instructions) {
+        for method in instructions.counts.keys() {
+            self.commands.insert(format!("instructions of {method}"), Instructions::command(method));
+        }
+        self.measured.instructions = instructions;
+    }
+}
+
 /// Measures what the store holds of a plan that these entries ask for, with references of this quality.
 pub fn observe(plan: &Plan, entries: &[Entry], store: &Store, quality: &Quality) -> Observed {
     let observed = Observed { measured: Baselines::new(), ..Observed::default() };
     let (judges, paces) = (HashMap::new(), Paces::default());
-    let mut observing = Observing { plan, entries, store, quality, judges, paces, observed };
+    let timings = BTreeMap::new();
+    let mut observing = Observing { plan, entries, store, quality, judges, paces, timings, observed };
     plan.cells().for_each(|(group, cell)| observing.cell(group, cell));
     let mut observed = observing.observed;
     observed.ratios = observing.paces.ratios();
+    for (method, command) in observing.timings {
+        observed.commands.insert(method, command);
+    }
     let ratios = observed.ratios.iter().map(|(method, ratio)| (method.clone(), (100.0 * ratio.ratio).round() / 100.0));
     observed.measured.paces = ratios.collect();
     observed
@@ -50,6 +64,8 @@ struct Observing<'o> {
     /// References by their images, with their fingerprints.
     judges: HashMap<Key, Result<(ReferencePicture, Fingerprint), String>>,
     paces: Paces,
+    /// Commands that time a method beside the pace, by method with its settings.
+    timings: BTreeMap<String, String>,
     observed: Observed,
 }
 
@@ -64,6 +80,9 @@ impl Observing<'_> {
         let command = place.command(self.entries, self.plan.seed);
         let set: String = set.iter().map(|set| format!(" --set {set}")).collect();
         let run = format!("halflight run{command} --method {}{set}", group.method.info().id);
+        // Results that are there already would not be timed again; with its settings, the pace would be another.
+        let paced = format!("halflight run{command} --method {PACE} --out timed-again && {run} --out timed-again");
+        self.timings.entry(method.clone()).or_insert(paced);
         if self.observed.commands.insert(label.clone(), run).is_some() {
             self.fault(&label, "two cells have this name: expected scenes of different names".into());
             return;
@@ -106,7 +125,9 @@ impl Observing<'_> {
                 Err(why) => self.fault(label, format!("against {reference}: {why}")),
             }
         }
-        self.paces.add(&place.label(""), method, run);
+        if let Some(times) = self.store.times(&cell.key()) {
+            self.paces.add(&place.label(""), method, times);
+        }
         Ok(Some(CellBaseline {
             receivers: print.receivers,
             level: rounded(print.level),
@@ -177,7 +198,11 @@ impl Place<'_> {
     fn command(&self, entries: &[Entry], seed: u64) -> String {
         let name = &self.stage.scene.name;
         let mut asked = entries.iter().flat_map(|entry| &entry.scenes);
-        let scene = asked.find(|asked| Path::new(asked).file_stem().is_some_and(|stem| stem == name.as_str()));
+        let is_asked = |asked: &&String| {
+            let (path, factor) = asked.split_at(asked.rfind('@').unwrap_or(asked.len()));
+            Path::new(path).file_stem().is_some_and(|stem| format!("{}{factor}", stem.display()) == *name)
+        };
+        let scene = asked.find(is_asked);
         let mut command = format!(" --scene {}", scene.unwrap_or(name));
         if self.group.quantity != halflight_contract::Quantity::Direct {
             command += &format!(" --quantity {}", self.group.quantity);

@@ -1,7 +1,7 @@
 //! Time as ratios in one run: machines and days drop out.
 
 use halflight_metrics::{Interval, median, median_interval};
-use halflight_results::{Phase, Run};
+use halflight_results::{Phase, Times};
 use std::collections::BTreeMap;
 
 /// The method, at its defaults, whose shading time on the same scene sets the pace.
@@ -33,9 +33,9 @@ struct Place {
 pub(super) struct Paces(BTreeMap<String, Place>);
 
 impl Paces {
-    /// Notes a run, of a method with these settings.
-    pub(super) fn add(&mut self, place: &str, method: &str, run: &Run) {
-        let Some(time) = run.phases.get(Phase::Shade.name()).and_then(|timing| median_interval(&timing.nanoseconds))
+    /// Notes the times of a method with these settings.
+    pub(super) fn add(&mut self, place: &str, method: &str, times: &Times) {
+        let Some(time) = times.phases.get(Phase::Shade.name()).and_then(|timing| median_interval(&timing.nanoseconds))
         else {
             return;
         };
@@ -67,23 +67,24 @@ impl Paces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use halflight_results::Timing;
+    use halflight_results::{Calibration, Key, Timing};
 
-    fn run(milliseconds: &[f64]) -> Run {
+    fn times(milliseconds: &[f64]) -> Times {
         let nanoseconds = milliseconds.iter().map(|ms| ms * 1e6).collect();
         let phases = [("shade".to_owned(), Timing { phase: Phase::Shade, nanoseconds })].into();
-        Run { phases, ..Run::default() }
+        let (run, calibration) = (Key::of_bytes(b""), Calibration::default());
+        Times { run, taken: 0, beside: 1, phases, calibration }
     }
 
     #[test]
     fn ratios_are_medians_over_places_and_short_times_do_not_count() {
         let mut paces = Paces::default();
         for (place, pace, other) in [("a", 10.0, 5.0), ("b", 20.0, 20.0), ("c", 10.0, 30.0), ("d", 0.1, 9.0)] {
-            paces.add(place, PACE, &run(&[pace; 3]));
-            paces.add(place, "other", &run(&[other, other, 2.0 * other]));
-            paces.add(place, "short", &run(&[0.9]));
+            paces.add(place, PACE, &times(&[pace; 3]));
+            paces.add(place, "other", &times(&[other, other, 2.0 * other]));
+            paces.add(place, "short", &times(&[0.9]));
         }
-        paces.add("e", "other", &run(&[9.0]));
+        paces.add("e", "other", &times(&[9.0]));
         let ratios = paces.ratios();
         assert_eq!(ratios.keys().collect::<Vec<_>>(), ["other"]);
         assert_eq!(ratios["other"], Ratio { ratio: 1.0, low: 1.0, high: 2.0 });

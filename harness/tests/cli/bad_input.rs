@@ -61,7 +61,7 @@ fn bad_input_is_named_and_nothing_is_written() {
 fn a_store_that_cannot_be_read_is_left_alone() {
     let bench = Bench::new();
     std::fs::create_dir(bench.path("out")).unwrap();
-    bench.write("out/results.jsonl", "{\"schema\":1,\"kind\":\"run\"}\n{}\n");
+    bench.write("out/results.jsonl", "{\"schema\":2,\"kind\":\"run\"}\n{}\n");
     let before = bench.files("");
     let said = bench.halflight("run --scene tiny.toml --method shexp/hyb --out out");
     assert!(said.code == 2 && said.err.contains("results.jsonl, line 1"), "{}", said.err);

@@ -90,6 +90,7 @@ fn plan(bench: &Bench) -> Plan {
     let model = plan.groups.remove(0);
     plan.groups.extend(METHODS.iter().map(|method| Group {
         method,
+        threads: None,
         params: Params::default(),
         support: Support::Approximate("for the test".into()),
         cells: vec![Cell { method: method.1.id.into(), params: Default::default(), ..model.cells[0].clone() }],

@@ -135,3 +135,82 @@ fn the_shipped_suite_has_every_method_at_its_defaults() {
         assert!(gated.contains(id), "{id} is not gated: add it to harness/suites/gate.toml and `halflight bless`");
     }
 }
+
+/// Every kind of failure by a part of what is said, with the place in the baselines that was changed for it.
+const FAILURES: [(&str, &str); 9] = [
+    ("shexp/hyb · direct: picture, block", "cells"),
+    ("shexp/hyb · direct: memory", "cells"),
+    ("shexp/hyb · direct: work", "cells"),
+    ("shexp/hyb · direct: valid receivers", "cells"),
+    ("truth · direct: reference of the same key", "references"),
+    ("shexp/ps-star · direct: no baseline", "cells"),
+    ("shexp/hyb order=3 · direct: expected by the baselines, not found", "cells"),
+    ("sh-light:3 · direct: expected by the baselines, not found", "references"),
+    ("shexp/hyb: shading time over", "paces"),
+];
+
+#[test]
+fn every_kind_of_failure_comes_with_a_command_that_works() {
+    let bench = Bench::new();
+    // Large enough to take a time that counts.
+    bench.write("large.toml", &crate::bench::SCENE.replace("[4, 3]", "[320, 240]"));
+    let methods = "--method sh-product/ordered --method shexp/hyb --method shexp/ps-star";
+    let what = format!("--scene large.toml {methods} --reference truth --samples 64 --out out --baselines b");
+    bench.well(&format!("bless {what}"));
+    let text = std::fs::read_to_string(bench.path("b/gate.json")).unwrap();
+    let mut baselines: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let hyb = baselines["cells"]["large · shexp/hyb · direct"].clone();
+    let truth = baselines["references"]["large · truth · direct"].clone();
+    let cells = baselines["cells"].as_object_mut().unwrap();
+    cells.remove("large · shexp/ps-star · direct").unwrap();
+    cells.insert("large · shexp/hyb order=3 · direct".into(), hyb);
+    let wrong = &mut cells["large · shexp/hyb · direct"];
+    wrong["receivers"] = 7.into();
+    wrong["blocks"][3][0] = 9.into();
+    for field in ["memory", "work"] {
+        *wrong[field].as_object_mut().unwrap().values_mut().next().unwrap() = 1.into();
+    }
+    let references = baselines["references"].as_object_mut().unwrap();
+    references.insert("large · sh-light:3 · direct".into(), truth);
+    references["large · truth · direct"]["blocks"][3][0][0] = 9.into();
+    baselines["paces"]["shexp/hyb"] = 0.01.into();
+    bench.write("b/gate.json", &baselines.to_string());
+    // Not as a part, of which nothing is missed.
+    let references = "references = [\"truth\"]";
+    let methods = "methods = [\"sh-product/ordered\", \"shexp/hyb\", \"shexp/ps-star\"]";
+    bench
+        .write("gate.toml", &format!("about = \"x\"\n[[entry]]\nscenes = [\"large.toml\"]\n{methods}\n{references}\n"));
+    let said = bench.halflight("gate --suite gate.toml --samples 64 --out out --baselines b");
+    assert_eq!(said.code, 1, "{}", said.err);
+    let mut commands = HashSet::new();
+    for (part, place) in FAILURES {
+        let line = said.out.lines().find(|line| line.contains(&format!("FAILS: large · {part}")));
+        let line = line.or_else(|| said.out.lines().find(|line| line.contains(&format!("FAILS: {part}"))));
+        let line = line.unwrap_or_else(|| panic!("{part} ({place}): {}", said.out));
+        let command = line.rsplit_once(" [").unwrap().1.strip_suffix(']').unwrap();
+        commands.insert(command.to_owned());
+    }
+    let nothing = "gate --scene trench --method shexp/hyb --reference truth --out out --baselines b";
+    let said = bench.halflight(nothing);
+    assert!(said.code == 1 && said.out.contains("the gate: expected at least one check"), "{}", said.out);
+    let line = said.out.lines().find(|line| line.contains("FAILS: the gate")).unwrap();
+    assert!(line.ends_with("[halflight plan --scene trench --method shexp/hyb --reference truth]"), "{line}");
+    commands.insert(line.rsplit_once(" [").unwrap().1.trim_end_matches(']').to_owned());
+    assert!(commands.len() >= 7, "{commands:?}");
+    for command in commands.iter().flat_map(|command| command.split(" && ")) {
+        // A name is all that baselines know of a scene.
+        let command = command.strip_prefix("halflight ").unwrap().replace("--scene large ", "--scene large.toml ");
+        let samples = if command.starts_with("plan") { "" } else { " --samples 64" };
+        bench.well(&format!("{command}{samples}"));
+    }
+}
+
+#[test]
+fn instructions_are_skipped_without_valgrind() {
+    let bench = blessed();
+    let command =
+        || bench.command(&format!("{GATE} --instructions")).env("PATH", bench.path("nowhere")).output().unwrap();
+    let told = String::from_utf8(command().stdout).unwrap();
+    assert!(told.contains("instructions are not counted: there is no valgrind"), "{told}");
+    assert!(told.contains("gate passed"), "{told}");
+}

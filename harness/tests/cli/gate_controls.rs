@@ -1,7 +1,7 @@
 //! The gate must fail on what is wrong, and only on that.
 
 use crate::bench::{Bench, SCENE};
-use halflight::gate::{Baselines, Comparison, Observed, Ratio, SLOWER, Verdict, compare, observe};
+use halflight::gate::{Baselines, Comparison, Instructions, Observed, Ratio, SLOWER, Verdict, compare, observe};
 use halflight::{Entry, Options, Plan, Selection, Terms};
 use halflight_references::Quality;
 use halflight_results::{Cell, Key, Picture, Record, Run, Score, Store};
@@ -115,6 +115,9 @@ fn a_bias_of_one_percent_in_any_method_is_caught() {
                 let wrong = wrong(&right, &lab.observed(plan, store));
                 assert_eq!(wrong.len(), 4, "{wrong:?}");
                 assert!(wrong.iter().all(|cell| cell.contains(method)), "{wrong:?}");
+                // A thousandth of that is rounding.
+                honest.iter().for_each(|run| tamper(store, run, |_, value| value * (1.0 + 0.001 * (scale - 1.0))));
+                assert_eq!(self::wrong(&right, &lab.observed(plan, store)), [""; 0]);
                 honest.iter().for_each(|run| replace(store, run, run.image.clone().unwrap()));
                 assert_eq!(self::wrong(&right, &lab.observed(plan, store)), [""; 0]);
             }
@@ -271,6 +274,24 @@ fn memory_work_and_time_are_held() {
     assert_eq!(verdicts(&right, &work(same, 1)), [Verdict::Fails]);
     assert_eq!(verdicts(&right, &work("of another processor", 1)), []);
     assert_eq!(verdicts(&right, &work("of another processor", 2)), [Verdict::Fails]);
+
+    let counted = |with_what: &str, method: &str, count: u64| {
+        let counts = [(method.to_owned(), count)].into();
+        with(&|observed| observed.counted(Instructions { with: with_what.into(), counts: Clone::clone(&counts) }))
+    };
+    let mut known = right.clone();
+    known.instructions = counted("a compiler", "shexp/hyb", 1_000_000).measured.instructions;
+    assert_eq!(verdicts(&known, &observed), [], "not asked for");
+    for (compiler, method, count, expected) in [
+        ("a compiler", "shexp/hyb", 1_009_999, &[][..]),
+        ("a compiler", "shexp/hyb", 1_010_001, &[Verdict::Fails]),
+        ("a compiler", "shexp/hyb", 989_999, &[Verdict::Improves]),
+        ("another compiler", "shexp/hyb", 2_000_000, &[]),
+        // One is new, one is gone.
+        ("a compiler", "shexp/eigen", 1_000_000, &[Verdict::Fails, Verdict::Fails]),
+    ] {
+        assert_eq!(verdicts(&known, &counted(compiler, method, count)), expected, "{compiler} {method} {count}");
+    }
 
     let pace = |ratio: f64| {
         with(&|observed| {

@@ -15,5 +15,6 @@ mod run;
 mod same;
 mod shared;
 mod spending;
+mod sweeps;
 mod table;
 mod unchanged;

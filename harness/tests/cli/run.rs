@@ -22,10 +22,6 @@ fn a_run_leaves_results_pictures_and_a_report() {
     }
     for run in runs {
         assert_eq!(run["receivers"], 12);
-        assert_eq!(run["phases"]["shade"]["nanoseconds"].as_array().unwrap().len(), 2);
-        for phase in ["prepare", "update"] {
-            assert_eq!(run["phases"][phase]["nanoseconds"].as_array().unwrap().len(), 1, "{phase}");
-        }
         let derived = run["derived"].as_object().unwrap();
         assert!(!derived.is_empty() && derived.values().all(|time| time.as_f64() > Some(0.0)), "{derived:?}");
         let image = format!("out/images/{}.exr", run["image"].as_str().unwrap());

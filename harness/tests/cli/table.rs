@@ -37,7 +37,7 @@ fn csv_has_a_row_a_cell_and_reference() {
     assert!(bench.files("out") == before);
     let rows = rows(&std::fs::read_to_string(bench.path("results.csv")).unwrap());
     let lines = bench.lines("out");
-    let (runs, scores) = (of_kind(&lines, "run"), of_kind(&lines, "score"));
+    let [runs, scores, times] = ["run", "score", "times"].map(|kind| of_kind(&lines, kind));
     for score in &scores {
         let run = runs.iter().find(|run| run["key"] == score["run"]).unwrap();
         let is =
@@ -46,15 +46,15 @@ fn csv_has_a_row_a_cell_and_reference() {
         for (name, value) in score["measures"].as_object().unwrap() {
             assert_eq!(row[&format!("score_{name}")].parse::<f64>().ok(), value.as_f64(), "{name}");
         }
+        let samples = &times.iter().find(|times| times["run"] == run["key"]).unwrap()["phases"];
         let mut shade: Vec<f64> =
-            run["phases"]["shade"]["nanoseconds"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+            samples["shade"]["nanoseconds"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
         shade.sort_by(f64::total_cmp);
         let time = |end: &str| row[&format!("time_shade_{end}_ns")].parse::<f64>().unwrap();
-        assert_eq!(time("median"), shade[2]);
-        assert!(
-            shade[0] <= time("low") && time("low") <= shade[2] && shade[2] <= time("high") && time("high") <= shade[4]
-        );
-        assert_eq!(row["time_shade_samples"], "5");
+        assert_eq!(time("median"), shade[2] + 0.5 * (shade[3] - shade[2]));
+        assert_eq!((time("low"), time("high")), (shade[0], shade[5]));
+        assert_eq!(row["time_shade_samples"], "6");
+        assert!(row["calibration_memory_ns"].parse::<f64>().unwrap() > 0.0);
         assert_eq!(row["param_order"], run["params"]["order"].to_string());
         assert_eq!(row["resolved"], score["resolved"].to_string());
         for (name, count) in run["counters"].as_object().unwrap() {

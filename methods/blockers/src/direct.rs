@@ -7,7 +7,7 @@ use halflight_contract::{
     counted, timed,
 };
 use halflight_light::{LightOf, ShLight};
-use halflight_proxies::{PosedSpheres, SphereSet, blockers, sphere_sets};
+use halflight_proxies::{PosedSpheres, Proxy, blockers, proxies};
 use halflight_scenes::{Frame, Receivers, Scene, SceneFacts};
 use halflight_sh::{Batch, Block, apply_bands, coefficients, window};
 use rayon::prelude::*;
@@ -65,7 +65,7 @@ pub struct DirectLight<'s, A> {
     order: usize,
     light: Arc<ShLight>,
     light_window: Vec<f32>,
-    sets: Vec<Option<Arc<SphereSet>>>,
+    proxies: Vec<Option<Proxy>>,
     spheres: PosedSpheres,
     gather: Gather,
     accumulator: A,
@@ -101,7 +101,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
     /// Derives sphere sets and light.
     pub fn prepare(job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Self> {
         let order = job.params.int(params::ORDER.name);
-        let sets = sphere_sets(job, job.params.int(params::SPHERES.name), meter)?;
+        let proxies = proxies(job, job.params.int(params::SPHERES.name), meter)?;
         let light = job.derive(&LightOf { order }, meter)?;
         let light_window = match job.params.flag(params::WINDOW_LIGHT.name) {
             true => bands(order),
@@ -113,7 +113,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             order,
             light,
             light_window,
-            sets,
+            proxies,
             spheres: PosedSpheres::default(),
             gather: params::gather(job.params),
             accumulator: A::new(job.params),
@@ -145,9 +145,9 @@ fn bands(order: usize) -> Vec<f32> {
 
 impl<A: Accumulator> Prepared for DirectLight<'_, A> {
     fn footprint(&self) -> Footprint {
-        let sets = self.sets.iter().flatten();
+        let proxies = self.proxies.iter().flatten();
         Footprint::default()
-            .host("sphere sets (shared)", sets.map(|set| size_of_val(set.spheres.as_slice())).sum())
+            .host("sphere sets (shared)", proxies.map(Proxy::bytes).sum())
             .host(
                 "posed spheres",
                 size_of_val(self.spheres.spheres.as_slice()) + size_of_val(self.spheres.object.as_slice()),
@@ -164,7 +164,7 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
     }
 
     fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
-        self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.sets));
+        self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.proxies));
         Ok(())
     }
 

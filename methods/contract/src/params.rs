@@ -184,6 +184,12 @@ impl Params {
         }
     }
 
+    /// The first phase from which a change from `before` takes effect; `None` if nothing that is declared differs.
+    pub fn first_change(&self, before: &Params, specs: &[ParamSpec]) -> Option<Phase> {
+        let changed = |spec: &&ParamSpec| self.values.get(spec.name) != before.values.get(spec.name);
+        specs.iter().filter(changed).map(|spec| spec.phase).min()
+    }
+
     /// Takes the place of `before` without preparing again: an error if a parameter of phase `prepare` differs.
     pub fn retune(&self, before: &mut Params, specs: &[ParamSpec]) -> crate::Result<()> {
         let changed = |spec: &&ParamSpec| self.values.get(spec.name) != before.values.get(spec.name);
@@ -270,6 +276,19 @@ mod tests {
         for spec in SPECS {
             assert_eq!(spec.parse(&spec.default().to_string()), Ok(spec.default()), "{}", spec.name);
         }
+    }
+
+    #[test]
+    fn the_first_change_decides_what_is_done_again() {
+        let held = Params::defaults(SPECS);
+        let first = |settings: &[(&str, &str)]| {
+            let other = Params::resolve(SPECS, settings.iter().copied()).expect("in range");
+            other.first_change(&held, SPECS)
+        };
+        assert_eq!(first(&[("order", "4")]), None);
+        assert_eq!(first(&[("guard", "false"), ("rule", "hard")]), Some(Phase::Evaluate));
+        assert_eq!(first(&[("guard", "false"), ("angle", "3")]), Some(Phase::Update));
+        assert_eq!(first(&[("guard", "false"), ("angle", "3"), ("order", "5")]), Some(Phase::Prepare));
     }
 
     #[test]

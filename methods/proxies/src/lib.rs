@@ -7,9 +7,10 @@
 //!
 //! [`seen`] tells which circle of directions a sphere blocks at a receiver, by the self-shadow rules ([`SelfShadow`]).
 //!
-//! [`SpheresOf`] is the recipe that keeps a set in the cache, [`sphere_sets`] derives one for every casting object,
-//! and [`blockers`] carries them along with a frame's poses.
+//! [`SpheresOf`] is the recipe that keeps a set in the cache, [`proxies`] derives one for every casting object,
+//! and [`blockers`] carries them along with a frame: with poses, and bound to meshes that change their shape ([`Binding`]).
 
+mod binding;
 mod cluster;
 mod flood;
 mod minimise;
@@ -21,7 +22,8 @@ mod self_shadow;
 mod set;
 mod voxels;
 
-pub use posed::{PosedSpheres, blockers};
-pub use recipe::{SpheresOf, sphere_sets};
+pub use binding::{Binding, BindingOf};
+pub use posed::{PosedSpheres, Proxy, blockers};
+pub use recipe::{SpheresOf, proxies};
 pub use self_shadow::{Circle, SelfShadow, seen};
 pub use set::{DEFAULT_COUNT, MAX_COUNT, SphereSet, sphere_set};

@@ -2,9 +2,38 @@
 
 use std::sync::Arc;
 
-use halflight_scenes::{Frame, Scene, Sphere};
+use halflight_scenes::{Frame, PosedObject, Scene, Shape, Sphere};
 
-use crate::SphereSet;
+use crate::{Binding, SphereSet};
+
+/// What stands for an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proxy {
+    /// Its spheres in rest position.
+    pub set: Arc<SphereSet>,
+    /// What carries them along with an object that changes its shape.
+    pub binding: Option<Arc<Binding>>,
+}
+
+impl Proxy {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.set.spheres.as_slice()) + self.binding.as_ref().map_or(0, |binding| binding.bytes())
+    }
+
+    /// The spheres where the object is.
+    fn posed(&self, object: &PosedObject) -> Vec<Sphere> {
+        let carried = |center| object.pose.point(center);
+        let spheres = self.set.spheres.iter();
+        match (&self.binding, &*object.shape) {
+            (Some(binding), Shape::Mesh(mesh)) => {
+                let pairs = spheres.zip(binding.centers(&mesh.positions));
+                pairs.map(|(sphere, center)| Sphere { center: carried(center), radius: sphere.radius }).collect()
+            }
+            _ => spheres.map(|sphere| Sphere { center: carried(sphere.center), radius: sphere.radius }).collect(),
+        }
+    }
+}
 
 /// The spheres of all casting objects at one time, those of an object together.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,14 +44,13 @@ pub struct PosedSpheres {
     pub object: Vec<u32>,
 }
 
-/// The blockers of a frame: `sets` holds one entry an object, in the scene's order. Objects that do not cast and
-/// objects without a set contribute nothing.
-pub fn blockers(scene: &Scene, frame: &Frame, sets: &[Option<Arc<SphereSet>>]) -> PosedSpheres {
+/// The blockers of a frame: `proxies` holds one entry an object, in the scene's order. Objects that do not cast and
+/// objects without a proxy contribute nothing.
+pub fn blockers(scene: &Scene, frame: &Frame, proxies: &[Option<Proxy>]) -> PosedSpheres {
     let mut posed = PosedSpheres::default();
     for entry in frame.objects.iter().filter(|entry| scene.objects[entry.object].casts) {
-        let Some(Some(set)) = sets.get(entry.object) else { continue };
-        let carried = |sphere: &Sphere| Sphere { center: entry.pose.point(sphere.center), radius: sphere.radius };
-        posed.spheres.extend(set.spheres.iter().map(carried));
+        let Some(Some(proxy)) = proxies.get(entry.object) else { continue };
+        posed.spheres.extend(proxy.posed(entry));
         posed.object.resize(posed.spheres.len(), entry.object as u32);
     }
     posed

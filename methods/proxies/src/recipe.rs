@@ -1,12 +1,10 @@
 //! Sphere sets as derived data: made once, kept by content.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 use halflight_contract::{Codec, Derived, Error, Flow, Job, Meter, Result};
 use halflight_scenes::{Scene, Shape, Sphere};
 
-use crate::{MAX_COUNT, SphereSet, sphere_set};
+use crate::{BindingOf, MAX_COUNT, Proxy, SphereSet, sphere_set};
 
 /// The sphere set of an object: `count` spheres at most around a mesh; an object that is exact spheres is its own set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,13 +56,20 @@ impl Derived for SpheresOf {
     }
 }
 
-/// The sphere sets of a job's scene, one entry an object: `None` for objects that cast no shadow.
-pub fn sphere_sets(job: &Job<'_, '_>, count: usize, meter: &mut dyn Meter) -> Result<Vec<Option<Arc<SphereSet>>>> {
-    let set = |object: usize| match job.scene.objects[object].casts {
-        true => job.derive(&SpheresOf { object, count }, meter).map(Some),
-        false => Ok(None),
+/// What stands for the objects of a job's scene, one entry an object: `None` for objects that cast no shadow.
+pub fn proxies(job: &Job<'_, '_>, count: usize, meter: &mut dyn Meter) -> Result<Vec<Option<Proxy>>> {
+    let proxy = |object: usize| {
+        let spheres = SpheresOf { object, count };
+        match (job.scene.objects[object].casts, job.scene.objects[object].deformation.is_some()) {
+            (false, _) => Ok(None),
+            (true, false) => Ok(Some(Proxy { set: job.derive(&spheres, meter)?, binding: None })),
+            (true, true) => {
+                let binding = Some(job.derive(&BindingOf(spheres), meter)?);
+                Ok(Some(Proxy { set: job.derive(&spheres, meter)?, binding }))
+            }
+        }
     };
-    (0..job.scene.objects.len()).map(set).collect()
+    (0..job.scene.objects.len()).map(proxy).collect()
 }
 
 const MAGIC: &[u8; 8] = b"spheres1";

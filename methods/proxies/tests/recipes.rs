@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3};
 use halflight_contract::{Backend, Cache, Derived, Error, Flow, Job, Meter, NoMeter, Params};
-use halflight_proxies::{MAX_COUNT, SphereSet, SpheresOf, blockers, sphere_sets};
+use halflight_proxies::{MAX_COUNT, Proxy, SphereSet, SpheresOf, blockers, proxies};
 use halflight_scenes::{Bodies, HeightField, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sphere};
 use shapes::{icosphere, square, torus};
 
@@ -20,10 +20,12 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         shape: Arc::new(shape),
         content,
         albedo: Rgb::ONE,
+        texture: None,
         emission: Rgb::ZERO,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,
+        deformation: None,
     }
 }
 
@@ -49,9 +51,9 @@ fn scene() -> Scene {
     }
 }
 
-fn derive(scene: &Scene, cache: &Cache, meter: &mut dyn Meter) -> Result<Vec<Option<Arc<SphereSet>>>, Error> {
+fn derive(scene: &Scene, cache: &Cache, meter: &mut dyn Meter) -> Result<Vec<Option<Proxy>>, Error> {
     let params = Params::default();
-    sphere_sets(&Job::new(scene, &params, 1, Backend::Cpu, cache), COUNT, meter)
+    proxies(&Job::new(scene, &params, 1, Backend::Cpu, cache), COUNT, meter)
 }
 
 /// Counts progress and cancels at a step.
@@ -76,9 +78,9 @@ impl Meter for Watch {
 fn casting_objects_have_sets_and_exact_spheres_are_their_own() {
     let sets = derive(&scene(), &Cache::in_memory(), &mut NoMeter).expect("nothing cancels");
     assert_eq!(sets.len(), 3);
-    assert!(sets[0].as_ref().is_some_and(|set| !set.spheres.is_empty() && set.spheres.len() <= COUNT));
+    assert!(sets[0].as_ref().is_some_and(|proxy| (1..=COUNT).contains(&proxy.set.spheres.len())));
     assert!(sets[1].is_none());
-    let exact = sets[2].as_ref().expect("spheres cast");
+    let exact = &sets[2].as_ref().expect("spheres cast").set;
     assert_eq!((exact.spheres.len(), exact.spheres[0].radius, exact.outside_volume), (2, 0.5, 0.0));
 }
 
@@ -87,7 +89,7 @@ fn blockers_follow_the_pose() {
     let scene = scene();
     let sets = derive(&scene, &Cache::in_memory(), &mut NoMeter).expect("nothing cancels");
     let (rest, moved) = (blockers(&scene, &scene.frame(0), &sets), blockers(&scene, &scene.frame(1), &sets));
-    let torus = sets[0].as_ref().expect("the torus casts").spheres.len();
+    let torus = sets[0].as_ref().expect("the torus casts").set.spheres.len();
     assert_eq!(rest.object, [vec![0; torus], vec![2; 2]].concat());
     assert_eq!(rest.object, moved.object);
     for (i, (before, after)) in rest.spheres.iter().zip(&moved.spheres).enumerate() {

@@ -33,10 +33,12 @@ pub(crate) fn object(shape: Shape) -> Object {
         shape: Arc::new(shape),
         content,
         albedo: Rgb::ONE,
+        texture: None,
         emission: Rgb::ZERO,
         casts: true,
         motion: Vec::new(),
         pivot: Vec3::ZERO,
+        deformation: None,
     }
 }
 

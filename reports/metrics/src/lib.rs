@@ -5,7 +5,7 @@
 //!
 //! | measure | definition |
 //! |---|---|
-//! | RMSE | `√mean(d²)` |
+//! | RMSE | `√mean(d²)`; with its standard error by the reference's noise |
 //! | relative MSE | `mean(d² / (r² + 0.01))` |
 //! | mean absolute error | `mean(abs(d))` |
 //! | bias | `mean(d)`, signed: negative is too dark |
@@ -23,6 +23,7 @@ mod agree;
 mod difference;
 mod display;
 mod fingerprint;
+mod pareto;
 mod perceptual;
 mod picture;
 mod scores;
@@ -32,6 +33,7 @@ pub use agree::{Disagreement, Tolerance, agrees};
 pub use difference::{Difference, difference};
 pub use display::Exposure;
 pub use fingerprint::{Block, COLUMNS, Fingerprint, ROWS, fingerprint};
+pub use pareto::{Measured, Standing, geometric_mean, standings};
 pub use picture::{CompareError, Layout, Picture};
 pub use scores::{Scores, VERSION, compare};
-pub use statistics::{Interval, median, median_interval, percentile};
+pub use statistics::{Interval, confidence, median, median_interval, outliers, percentile};

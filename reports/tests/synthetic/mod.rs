@@ -3,8 +3,8 @@
 use glam::Vec3;
 use halflight_metrics as metrics;
 use halflight_results::{
-    Cell, Environment, Failure, Key, Layout, Phase, Picture, Record, ReferencePicture, Run, Score, Skip, Storage,
-    Store, Timing,
+    Calibration, Cell, Environment, Failure, Key, Layout, Phase, Picture, Record, ReferencePicture, Run, Score, Skip,
+    Storage, Store, Times, Timing,
 };
 use std::path::Path;
 
@@ -81,18 +81,20 @@ fn run(store: &mut Store, cell: Cell, x: &Picture, nanoseconds: f64, truth: &Pic
         phase,
         nanoseconds: (0..repeats).map(|i| base * (1.0 + 0.03 * f64::from(i * 7 % 5))).collect(),
     };
+    let phases = [
+        ("prepare".to_owned(), timing(Phase::Prepare, 2.5e8, 1)),
+        ("update".to_owned(), timing(Phase::Update, 3.2e5, 5)),
+        ("shade".to_owned(), timing(Phase::Shade, nanoseconds, 9)),
+        ("gather".to_owned(), timing(Phase::Shade, nanoseconds * 0.7, 9)),
+    ];
+    let calibration = Calibration { compute: vec![1e6; 9], memory: vec![2e6; 9] };
+    let times = Times { run: cell.key(), taken: 1_800_000_000, beside: 4, phases: phases.into(), calibration };
     let record = Run {
         cell: cell.clone(),
         receivers: x.radiance.len(),
         image: Some(image.clone()),
         approximate: (cell.method == "shexp/hyb").then(|| "blockers are spheres".to_owned()),
-        phases: [
-            ("prepare".to_owned(), timing(Phase::Prepare, 2.5e8, 1)),
-            ("update".to_owned(), timing(Phase::Update, 3.2e5, 5)),
-            ("shade".to_owned(), timing(Phase::Shade, nanoseconds, 9)),
-            ("gather".to_owned(), timing(Phase::Shade, nanoseconds * 0.7, 9)),
-        ]
-        .into(),
+        shared: Default::default(),
         derived: [("sphere set of bunny, 64".to_owned(), 3.4e9), ("light in SH, order 8".to_owned(), 4.2e7)].into(),
         counters: [("blockers".to_owned(), 1_228_800), ("overlap guard".to_owned(), 310)].into(),
         footprint: vec![
@@ -110,6 +112,7 @@ fn run(store: &mut Store, cell: Cell, x: &Picture, nanoseconds: f64, truth: &Pic
         },
     };
     store.append(Record::Run(Box::new(record))).unwrap();
+    store.append(Record::Times(Box::new(times))).unwrap();
     score(store, &cell, x, &image, "truth", truth);
     score(store, &cell, x, &image, "sh-light", light);
 }

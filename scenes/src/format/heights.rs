@@ -10,6 +10,8 @@ pub(crate) struct HeightsFile {
     pub(crate) cell: [f32; 2],
     pub(crate) file: Option<String>,
     pub(crate) sha256: Option<String>,
+    /// Heights of the black and the white of a PNG.
+    pub(crate) range: Option<[f32; 2]>,
     /// Vertices along x and y.
     pub(crate) resolution: Option<[usize; 2]>,
     pub(crate) ramp: Option<RampFile>,

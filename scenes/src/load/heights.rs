@@ -43,11 +43,26 @@ fn read(
     if file.resolution.is_some() || generate::any(file) {
         return Err(check.invalid(field, "either a file or a resolution with a generator", "both"));
     }
-    let map = assets.read(field, name, file.sha256.as_deref())?.height_map()?;
+    let mut map = assets.read(field, name, file.sha256.as_deref())?.height_map()?;
+    stretch(check, field, file, name, &mut map.heights)?;
     let size = [map.width, map.height];
     check.ensure(map.width >= 2 && map.height >= 2, &format!("{field}.file"), "at least 2 x 2 heights", size)?;
     // The top row of a picture is the far edge, +y.
     Ok((size, map.heights.rchunks_exact(map.width).flatten().copied().collect()))
+}
+
+/// The heights of a PNG are shares of a range.
+fn stretch(check: Checker, field: &str, file: &HeightsFile, name: &str, heights: &mut [f32]) -> Result<(), SceneError> {
+    let field = format!("{field}.range");
+    match (file.range, name.to_lowercase().ends_with(".png")) {
+        (None, false) => Ok(()),
+        (Some([low, high]), true) => {
+            let (low, high) = (check.number(&field, low)?, check.number(&field, high)?);
+            heights.iter_mut().for_each(|height| *height = low + (high - low) * *height);
+            Ok(())
+        }
+        (range, _) => Err(check.invalid(&field, "the heights of black and white beside a PNG, and only there", range)),
+    }
 }
 
 fn generate(check: Checker, field: &str, file: &HeightsFile, cell: Vec2) -> Result<([usize; 2], Vec<f32>), SceneError> {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Quat, Vec2, Vec3};
 
 use crate::assets::Assets;
 use crate::check::{Checker, FAR};
@@ -13,13 +13,18 @@ use crate::{Mesh, Object, Pose, SceneError, Shape, Sphere, mesh};
 const MOST_SPHERES: usize = 1 << 20;
 
 /// The rest transform: scale, rotate, translate.
-struct Rest {
-    scale: f32,
-    rotation: Quat,
-    translation: Vec3,
+pub(super) struct Rest {
+    pub(super) scale: f32,
+    pub(super) rotation: Quat,
+    pub(super) translation: Vec3,
 }
 
 impl Rest {
+    pub(super) fn affine(&self) -> DAffine3 {
+        let (rotation, translation) = (self.rotation.as_dquat().normalize(), self.translation.as_dvec3());
+        DAffine3::from_scale_rotation_translation(DVec3::splat(f64::from(self.scale)), rotation, translation)
+    }
+
     fn point(&self, p: Vec3) -> Vec3 {
         self.rotation * (p * self.scale) + self.translation
     }
@@ -34,85 +39,124 @@ pub(super) fn load(
     check.ensure(!files.is_empty(), "objects", "at least one object", files.len())?;
     let mut objects: Vec<Object> = Vec::new();
     for (index, file) in files.iter().enumerate() {
-        let field = format!("objects[{index}]");
-        let taken = objects.iter().any(|other| other.name == file.name);
-        let named = !file.name.is_empty() && !taken;
-        check.ensure(named, &format!("{field}.name"), "a name that no other object has", &file.name)?;
-        objects.push(object(check, assets, &field, file, notices)?);
+        let source = Source { check, assets, field: format!("objects[{index}]"), file };
+        for object in source.objects(notices)? {
+            let taken = objects.iter().any(|other| other.name == object.name);
+            let named = !object.name.is_empty() && !taken;
+            let expected = "a name that no other object has";
+            check.ensure(named, &format!("{}.name", source.field), expected, &object.name)?;
+            objects.push(object);
+        }
     }
     Ok(objects)
 }
 
-fn object(
-    check: Checker,
-    assets: &Assets,
-    field: &str,
-    file: &ObjectFile,
-    notices: &mut Vec<String>,
-) -> Result<Object, SceneError> {
-    let rotate = format!("{field}.rotate");
-    let rotation = file.rotate.as_ref().map(|rotation| check.rotation(&rotate, rotation)).transpose()?;
-    let rest = Rest {
-        scale: check.positive(&format!("{field}.scale"), file.scale)?,
-        rotation: rotation.unwrap_or(Quat::IDENTITY),
-        translation: check.point(&format!("{field}.translate"), file.translate)?,
-    };
-    let shape = match shape(check, assets, field, file, notices)? {
-        Shape::Mesh(mesh) => Shape::Mesh(rest_mesh(check, field, mesh, &rest)?),
-        Shape::Spheres(spheres) => Shape::Spheres(rest_spheres(check, field, &spheres, &rest)?),
-        Shape::Heights(heights) => {
-            super::heights::upright(check, field, file)?;
-            Shape::Heights(super::heights::at_rest(check, field, &heights, rest.scale, rest.translation)?)
-        }
-    };
-    Ok(Object {
-        name: file.name.clone(),
-        content: shape.content(),
-        shape: Arc::new(shape),
-        albedo: check.albedo(&format!("{field}.albedo"), file.albedo)?,
-        emission: check.radiance(&format!("{field}.emission"), file.emission)?,
-        casts: file.casts,
-        motion: motion(check, field, &file.motion)?,
-        pivot: rest.translation,
-    })
+/// An entry of a scene file.
+pub(super) struct Source<'a> {
+    pub(super) check: Checker<'a>,
+    pub(super) assets: &'a Assets<'a>,
+    pub(super) field: String,
+    pub(super) file: &'a ObjectFile,
 }
 
-fn shape(
-    check: Checker,
-    assets: &Assets,
-    field: &str,
-    file: &ObjectFile,
-    notices: &mut Vec<String>,
-) -> Result<Shape, SceneError> {
-    match (&file.mesh, &file.sphere, &file.random_spheres, &file.plane, &file.heights) {
-        (Some(mesh), None, None, None, None) => {
-            read_mesh(assets, &format!("{field}.mesh"), mesh, notices).map(Shape::Mesh)
+impl Source<'_> {
+    fn objects(&self, notices: &mut Vec<String>) -> Result<Vec<Object>, SceneError> {
+        self.only_one_shape()?;
+        let rest = self.rest()?;
+        match (&self.file.gltf, &self.file.character) {
+            (Some(gltf), _) => self.gltf(gltf, &rest, notices),
+            (_, Some(character)) => Ok(vec![self.character(character, &rest)?]),
+            _ => {
+                let shape = self.placed(self.shape(notices)?, &rest)?;
+                Ok(vec![Object { deformation: self.procedural(&shape, &rest)?, ..self.object(shape, &rest)? }])
+            }
         }
-        (None, Some(sphere), None, None, None) => {
-            let center = check.point(&format!("{field}.sphere.center"), sphere.center)?;
-            let radius = check.positive(&format!("{field}.sphere.radius"), sphere.radius)?;
+    }
+
+    fn rest(&self) -> Result<Rest, SceneError> {
+        let (check, field, file) = (self.check, &self.field, self.file);
+        let rotate = format!("{field}.rotate");
+        let rotation = file.rotate.as_ref().map(|rotation| check.rotation(&rotate, rotation)).transpose()?;
+        Ok(Rest {
+            scale: check.positive(&format!("{field}.scale"), file.scale)?,
+            rotation: rotation.unwrap_or(Quat::IDENTITY),
+            translation: check.point(&format!("{field}.translate"), file.translate)?,
+        })
+    }
+
+    /// An object of a shape that is in place, with what the entry says of all objects.
+    pub(super) fn object(&self, shape: Shape, rest: &Rest) -> Result<Object, SceneError> {
+        let (check, field, file) = (self.check, &self.field, self.file);
+        let missing = || check.invalid(&format!("{field}.albedo"), "three numbers in [0, 1]", "none");
+        let albedo = match (file.albedo, &file.gltf) {
+            (None, Some(_)) => [1.0; 3],
+            (albedo, _) => albedo.ok_or_else(missing)?,
+        };
+        Ok(Object {
+            name: file.name.clone(),
+            content: shape.content(),
+            shape: Arc::new(shape),
+            albedo: check.albedo(&format!("{field}.albedo"), albedo)?,
+            texture: None,
+            emission: check.radiance(&format!("{field}.emission"), file.emission)?,
+            casts: file.casts,
+            motion: motion(check, field, &file.motion)?,
+            pivot: rest.translation,
+            deformation: None,
+        })
+    }
+
+    pub(super) fn placed(&self, shape: Shape, rest: &Rest) -> Result<Shape, SceneError> {
+        let (check, field) = (self.check, &self.field);
+        Ok(match shape {
+            Shape::Mesh(mesh) => Shape::Mesh(rest_mesh(check, field, mesh, rest)?),
+            Shape::Spheres(spheres) => Shape::Spheres(rest_spheres(check, field, &spheres, rest)?),
+            Shape::Heights(heights) => {
+                super::heights::upright(check, field, self.file)?;
+                Shape::Heights(super::heights::at_rest(check, field, &heights, rest.scale, rest.translation)?)
+            }
+        })
+    }
+
+    fn only_one_shape(&self) -> Result<(), SceneError> {
+        let file = self.file;
+        let given = [
+            ("mesh", file.mesh.is_some()),
+            ("sphere", file.sphere.is_some()),
+            ("random_spheres", file.random_spheres.is_some()),
+            ("plane", file.plane.is_some()),
+            ("heights", file.heights.is_some()),
+            ("ball", file.ball.is_some()),
+            ("block", file.block.is_some()),
+            ("cylinder", file.cylinder.is_some()),
+            ("blob", file.blob.is_some()),
+            ("character", file.character.is_some()),
+            ("gltf", file.gltf.is_some()),
+        ];
+        match given.iter().filter(|(_, given)| *given).count() {
+            1 => Ok(()),
+            _ => Err(self.check.not_one(&self.field, &given)),
+        }
+    }
+
+    fn shape(&self, notices: &mut Vec<String>) -> Result<Shape, SceneError> {
+        let (check, assets, file) = (self.check, self.assets, self.file);
+        let at = |name: &str| format!("{}.{name}", self.field);
+        if let Some(mesh) = &file.mesh {
+            read_mesh(assets, &at("mesh"), mesh, notices).map(Shape::Mesh)
+        } else if let Some(sphere) = &file.sphere {
+            let center = check.point(&at("sphere.center"), sphere.center)?;
+            let radius = check.positive(&at("sphere.radius"), sphere.radius)?;
             Ok(Shape::Spheres(vec![Sphere { center, radius }]))
-        }
-        (None, None, Some(spheres), None, None) => {
-            random_spheres(check, &format!("{field}.random_spheres"), spheres).map(Shape::Spheres)
-        }
-        (None, None, None, Some(plane), None) => {
-            let size = plane.size.map(|side| check.positive(&format!("{field}.plane.size"), side));
-            let [width, height] = size;
+        } else if let Some(spheres) = &file.random_spheres {
+            random_spheres(check, &at("random_spheres"), spheres).map(Shape::Spheres)
+        } else if let Some(plane) = &file.plane {
+            let [width, height] = plane.size.map(|side| check.positive(&at("plane.size"), side));
             Ok(Shape::Mesh(mesh::plane(Vec2::new(width?, height?))))
-        }
-        (None, None, None, None, Some(heights)) => {
-            super::heights::load(check, assets, &format!("{field}.heights"), heights).map(Shape::Heights)
-        }
-        (mesh, sphere, spheres, plane, heights) => {
-            let given = [
-                ("mesh", mesh.is_some()),
-                ("sphere", sphere.is_some()),
-                ("random_spheres", spheres.is_some()),
-                ("plane", plane.is_some()),
-                ("heights", heights.is_some()),
-            ];
-            Err(check.not_one(field, &given))
+        } else if let Some(heights) = &file.heights {
+            super::heights::load(check, assets, &at("heights"), heights).map(Shape::Heights)
+        } else {
+            super::solids::load(check, &self.field, file).map(Shape::Mesh)
         }
     }
 }

@@ -53,7 +53,12 @@ fn values_out_of_range() {
         ("albedo = [0.9, 0.2, 0.2]", "albedo = [nan, 0.2, 0.2]", "objects[1].albedo: ", "[0, 1]"),
         ("name = \"ball\"", "name = \"cube\"", "objects[2].name: ", "no other object"),
         ("name = \"ball\"", "name = \"\"", "objects[2].name: ", "expected a name"),
-        (BALL, "", "objects[2]: ", "exactly one of mesh, sphere, random_spheres, plane, heights, found []"),
+        (
+            BALL,
+            "",
+            "objects[2]: ",
+            "exactly one of mesh, sphere, random_spheres, plane, heights, ball, block, cylinder, blob, character, gltf, found []",
+        ),
         (
             BALL,
             "sphere = { center = [1.5, 0.0, 1.0], radius = 1.0 }\nplane = { size = [1.0, 1.0] }",
@@ -117,7 +122,7 @@ fn fields_unknown_missing_or_of_the_wrong_type() {
         ("uniform", "checkered", "", "unknown field `checkered`"),
         ("key =", "torch =", "", "unknown field `torch`"),
         ("purpose = \"A cube and a sphere over a ground\"", "", "", "missing field `purpose`"),
-        ("albedo = [0.9, 0.2, 0.2]", "", "", "missing field `albedo`"),
+        ("albedo = [0.9, 0.2, 0.2]", "", "objects[1].albedo", "three numbers in [0, 1]"),
         ("[receivers]\ncamera = {}", "", "", "missing field `receivers`"),
         ("camera = {}", "", "receivers: expected exactly one of camera, vertices, grid, points, heights, found []", ""),
         (

@@ -191,7 +191,11 @@ fn a_moving_sphere_is_traced_where_it_is() {
         }
     }
     assert_ne!(seen_objects(&scene, 0), seen_objects(&scene, 2));
-    assert_eq!(format!("{:?}", scene.bodies), "Bodies(2)", "what rests, and the sphere, for all frames");
+    assert_eq!(
+        format!("{:?}", scene.bodies),
+        "Bodies(2 and 0 that deform)",
+        "what rests, and the sphere, for all frames"
+    );
     let revisions = |frame: usize| scene.frame(frame).objects.iter().map(|object| object.revision).collect::<Vec<_>>();
     assert_eq!(revisions(0)[..2], revisions(2)[..2], "what rests keeps its revision");
     assert_ne!(revisions(0)[2], revisions(2)[2]);

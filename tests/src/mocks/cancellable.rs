@@ -8,7 +8,7 @@ use halflight_scenes::{Frame, Rgb, SceneFacts, Sphere};
 
 use super::toy;
 
-const PARAMS: &[ParamSpec] = &[toy::INFLATE, toy::STRENGTH];
+const PARAMS: &[ParamSpec] = &[toy::INFLATE, toy::RANGE, toy::STRENGTH];
 
 /// Adds the spheres one after the other for all receivers, and asks before each whether to go on.
 pub struct Cancellable {
@@ -114,7 +114,11 @@ impl Ready {
             if meter.progress("spheres", done as u64, self.spheres.len() as u64) == Flow::Cancel {
                 return Solution::Half(covered);
             }
+            let range = self.params.float("range") as f32 * sphere.radius;
             for (i, covered) in covered.iter_mut().enumerate() {
+                if receivers.position[i].distance(sphere.center) > range {
+                    continue;
+                }
                 *covered += toy::covered(receivers.position[i], receivers.geometric_normal[i], sphere);
             }
         }

@@ -26,6 +26,8 @@ pub enum Fault {
     KeepsFirstFrame,
     /// New parameters are ignored.
     IgnoresRetune,
+    /// Of several new parameters the first alone is taken.
+    RetunesOneParam,
     /// Parameters that need another `prepare` are taken.
     TakesPrepareParams,
     /// A cancel is told to nobody.
@@ -48,7 +50,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault, with the check that must reject it.
-    pub const ALL: [(Fault, &'static str); 16] = [
+    pub const ALL: [(Fault, &'static str); 17] = [
         (Fault::SkipsInvalid, "dirty_output"),
         (Fault::ReadsOnce, "repeated_evaluation"),
         (Fault::Accumulates, "repeated_evaluation"),
@@ -56,6 +58,7 @@ impl Fault {
         (Fault::CountsReceivers, "permuted_receivers"),
         (Fault::KeepsFirstFrame, "fresh_equals_updated"),
         (Fault::IgnoresRetune, "retuned_equals_fresh"),
+        (Fault::RetunesOneParam, "retuned_equals_fresh"),
         (Fault::TakesPrepareParams, "retuned_equals_fresh"),
         (Fault::HidesCancel, "cancellation"),
         (Fault::LingersAfterCancel, "cancellation"),
@@ -130,6 +133,7 @@ impl Prepared for Ready<'_> {
     fn retune(&mut self, params: &Params) -> Result<()> {
         match self.fault {
             Fault::IgnoresRetune => params.retune(&mut self.params, Cancellable::HONEST.info().params),
+            Fault::RetunesOneParam => self.retune_one(params),
             Fault::TakesPrepareParams => self.inner.retune(params).or(Ok(())),
             _ => self.inner.retune(params),
         }
@@ -182,6 +186,19 @@ impl Prepared for Ready<'_> {
 }
 
 impl Ready<'_> {
+    fn retune_one(&mut self, params: &Params) -> Result<()> {
+        let specs = Cancellable::HONEST.info().params;
+        let first = params.iter().zip(self.params.iter()).find(|(new, old)| new != old).map(|((name, _), _)| name);
+        let text: Vec<(&str, String)> = (self.params.iter().zip(params.iter()))
+            .map(|((name, old), (_, new))| (name, if Some(name) == first { new.to_string() } else { old.to_string() }))
+            .collect();
+        let settings = text.iter().map(|(name, value)| (*name, value.as_str()));
+        let one = Params::resolve(specs, settings).expect("both were in range");
+        self.inner.retune(&one)?;
+        self.params = one;
+        Ok(())
+    }
+
     /// The result that is given for receiver `i` in place of the right one.
     fn spoiled(&self, i: usize, result: Rgb) -> Rgb {
         match self.fault {

@@ -1,0 +1,105 @@
+//! Sweeps: what is written, what is shared, and that sharing changes nothing.
+
+use crate::bench::{Bench, SCENE, of_kind};
+use serde_json::Value;
+
+fn label(run: &Value) -> String {
+    ["method", "params", "frame"].iter().map(|field| run[field].to_string()).collect()
+}
+
+#[test]
+fn retuned_cells_equal_fresh_ones_and_name_who_prepared() {
+    let bench = Bench::new();
+    let moving =
+        SCENE.replace("albedo", "motion = [{ time = 0.0 }, { time = 1.0, translate = [1.0, 0.0, 0.0] }]\nalbedo");
+    bench.write("moving.toml", &format!("{moving}\n[frames]\ncount = 2\nfps = 1.0\n"));
+    let what = |out: &str| format!("run --method shexp/hyb --method sh-product/ordered --reference truth --out {out}");
+    let scenes = "--scene tiny.toml --scene moving.toml";
+    // What needs a new `prepare` varies fastest, and yet its settings come in a row.
+    bench.well(&format!(
+        "{} {scenes} --set self-shadow=all --set min-angle=lin(0..20,2) --set order=2,4",
+        what("swept")
+    ));
+    for rule in ["paper", "continuous", "off"] {
+        for angle in ["0", "20"] {
+            for scene in ["tiny.toml", "moving.toml"] {
+                let set = format!("--set self-shadow={rule} --set min-angle={angle}");
+                bench.well(&format!("{} --scene {scene} {set} --set order=2", what("fresh")));
+                bench.well(&format!("{} --scene {scene} {set} --set order=4", what("fresh")));
+            }
+        }
+    }
+    let (swept, fresh) = (bench.lines("swept"), bench.lines("fresh"));
+    let (swept, fresh) = (of_kind(&swept, "run"), of_kind(&fresh, "run"));
+    assert_eq!((swept.len(), fresh.len()), (2 * 12 * 3, 2 * 12 * 3));
+    let mut sharing = 0;
+    for run in &swept {
+        let same = fresh.iter().find(|other| other["key"] == run["key"]).unwrap();
+        for field in ["image", "counters", "footprint", "receivers"] {
+            assert_eq!(run[field], same[field], "{field} of {}", label(run));
+        }
+        let names =
+            |run: &Value, field: &str| run[field].as_object().map_or(Vec::new(), |f| f.keys().cloned().collect());
+        assert_eq!(names(run, "derived"), names(same, "derived"));
+        let shared = run["shared"].as_object();
+        for phase in ["prepare", "update"] {
+            let Some(bearer) = shared.and_then(|shared| shared.get(phase)) else { continue };
+            sharing += usize::from(phase == "prepare");
+            let bearer = swept.iter().find(|other| other["key"] == *bearer).unwrap();
+            for field in ["scene_hash", "method"] {
+                assert_eq!(bearer[field], run[field]);
+            }
+            assert_eq!(bearer["params"]["order"], run["params"]["order"]);
+        }
+    }
+    // One in a scene, method and order is prepared.
+    assert_eq!(sharing, swept.len() - 2 * 2 * 2);
+    assert!(fresh.iter().all(|run| run["frame"] == 1 || run["shared"].is_null()));
+}
+
+#[test]
+fn a_sweep_is_checked_before_any_work() {
+    let bench = Bench::new();
+    for (set, parts) in [
+        ("ordre=2..4", ["unknown parameter `ordre`", "order"]),
+        ("order=2..12", ["shexp/hyb: parameter order", "expected an integer from 1 to 8, found \"9\""]),
+        ("min-angle=log(0..4,3)", ["--set min-angle=log(0..4,3)", "0 < A < B"]),
+        ("self-shadow=lin(0..1,2)", ["parameter self-shadow", "expected one of continuous"]),
+        ("spheres=all", ["parameter spheres", "expected an integer from 1 to"]),
+    ] {
+        let said = bench.halflight(&format!("run --scene tiny.toml --method shexp/hyb --set {set} --out out"));
+        assert_eq!(said.code, 2, "{set}: {}", said.err);
+        assert!(parts.iter().all(|part| said.err.contains(part)), "{set}: {}", said.err);
+        bench.write("wrong.toml", &suite(set));
+        let said = bench.halflight("run --suite wrong.toml --out out");
+        assert_eq!(said.code, 2, "{set}: {}", said.err);
+        let part = parts[1];
+        assert!(said.err.contains(part), "{set}: {}", said.err);
+    }
+    assert!(!bench.path("out").exists());
+}
+
+#[test]
+fn a_suite_file_sweeps_as_the_command_line_does() {
+    let bench = Bench::new();
+    let set = ["order=2..3", "spheres=log(1..16,3)", "self-shadow=all"];
+    let given: String = set.iter().map(|set| format!(" --set {set}")).collect();
+    let told = bench.well(&format!("plan --scene tiny.toml --method shexp/hyb{given}"));
+    bench.write("sweep.toml", &suite(&set.join(";")));
+    let mut planned: Vec<String> = bench.well("plan --suite sweep.toml").lines().map(str::to_owned).collect();
+    let mut expected: Vec<String> = told.lines().map(str::to_owned).collect();
+    planned.sort();
+    expected.sort();
+    assert_eq!(planned, expected);
+    assert_eq!(told.lines().count(), 18 + 1);
+}
+
+/// A suite with these settings, separated by semicolons.
+fn suite(set: &str) -> String {
+    let set: Vec<String> = set
+        .split(';')
+        .filter_map(|set| set.split_once('='))
+        .map(|(name, values)| format!("{name} = '{values}'"))
+        .collect();
+    format!("about = 'x'\n[[entry]]\nscenes = ['tiny.toml']\nmethods = ['shexp/hyb']\nset = {{ {} }}\n", set.join(", "))
+}

@@ -1,0 +1,91 @@
+//! Shapes that change over time: skins on skeletons, and procedural deformations.
+
+mod clip;
+mod procedural;
+mod skeleton;
+mod skin;
+
+use glam::{DAffine3, DMat3, Vec3};
+
+pub(crate) use clip::{Clip, Interpolation, Keys, Playback, Track};
+pub use procedural::{Form, Procedural};
+pub(crate) use skeleton::{Joint, Skeleton, Transform};
+pub(crate) use skin::{Bone, Influences, Skin, strongest};
+
+use crate::content::Collector;
+use crate::{Content, Mesh};
+
+/// How an object's mesh changes its shape; triangles and texture coordinates stay.
+#[derive(Clone, Debug)]
+pub struct Deformation {
+    kind: Kind,
+    /// From the space in which the deformation is written to the object's rest position.
+    placed: DAffine3,
+    content: Content,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Kind {
+    Skin(Skin),
+    Procedural(Procedural),
+}
+
+impl Deformation {
+    /// `placed` leads from the deformation's own space to the rest position of the scene and can be inverted.
+    pub(crate) fn new(kind: Kind, placed: DAffine3) -> Self {
+        let written = match &kind {
+            Kind::Skin(skin) => skin.collect(Collector::new("skin")),
+            Kind::Procedural(procedural) => Collector::new("procedural").bytes(format!("{procedural:?}").as_bytes()),
+        };
+        let content = placed.to_cols_array().iter().fold(written, |all, v| all.bytes(&v.to_le_bytes())).finish();
+        Deformation { kind, placed, content }
+    }
+
+    /// Hash of all that decides the deformation.
+    pub fn content(&self) -> Content {
+        self.content
+    }
+
+    /// The mesh at a time in seconds, made of the one at rest.
+    pub fn at(&self, rest: &Mesh, time: f32) -> Mesh {
+        let time = f64::from(time);
+        let (positions, normals) = match &self.kind {
+            Kind::Skin(skin) => skin.posed(&skin.skeleton.pose_at(time), self.placed),
+            Kind::Procedural(procedural) => {
+                let back = self.placed.inverse();
+                let vertex = |(position, normal): (&Vec3, &Vec3)| {
+                    let p = back.transform_point3(position.as_dvec3());
+                    let linear = self.placed.matrix3 * procedural.derivative(p, time) * back.matrix3;
+                    let moved = self.placed.transform_point3(procedural.point(p, time));
+                    (moved.as_vec3(), turned(&linear, *normal))
+                };
+                rest.positions.iter().zip(&rest.normals).map(vertex).unzip()
+            }
+        };
+        Mesh { positions, normals, uvs: rest.uvs.clone(), triangles: rest.triangles.clone() }
+    }
+}
+
+/// A unit normal carried along by a linear map: by its cofactors, so that it stays normal to what the map carries along.
+fn turned(linear: &DMat3, normal: Vec3) -> Vec3 {
+    let DMat3 { x_axis, y_axis, z_axis } = *linear;
+    let cofactors = DMat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
+    (cofactors * normal.as_dvec3()).try_normalize().map_or(normal, |unit| unit.as_vec3())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn normals_stay_normal_under_any_linear_map() {
+        let map = DMat3::from_cols(DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 0.7, -0.2), DVec3::new(0.0, 0.5, 1.1));
+        let (u, v) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.5, 0.2));
+        let normal = turned(&map, u.cross(v).normalize().as_vec3()).as_dvec3();
+        assert!(normal.dot(map * u).abs() < 1e-6 && normal.dot(map * v).abs() < 1e-6);
+        assert!(normal.dot((map * u).cross(map * v)) > 0.0);
+        assert_eq!(turned(&DMat3::ZERO, Vec3::Z), Vec3::Z);
+    }
+}

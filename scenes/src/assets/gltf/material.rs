@@ -1,0 +1,54 @@
+//! What a material reflects and emits, as far as diffuse surfaces go.
+
+use gltf::Material;
+use gltf::image::Source;
+
+use super::File;
+use crate::assets::picture;
+use crate::{Mesh, Rgb, SceneError, Texture};
+
+pub(super) struct Look {
+    pub(super) albedo: Rgb,
+    pub(super) texture: Option<Texture>,
+    pub(super) emission: Rgb,
+}
+
+pub(super) fn look(
+    file: &File,
+    material: &Material,
+    mesh: &Mesh,
+    notices: &mut Vec<String>,
+) -> Result<Look, SceneError> {
+    let base = material.pbr_metallic_roughness();
+    let [red, green, blue, _] = base.base_color_factor();
+    let place = material.index().map_or("material".to_owned(), |index| format!("materials[{index}]"));
+    let emission = Rgb::from_array(material.emissive_factor()) * material.emissive_strength().unwrap_or(1.0);
+    if material.emissive_texture().is_some() {
+        notices.push(format!("{}: {place}: emissive texture left out", file.check.file.display()));
+    }
+    let texture = match base.base_color_texture() {
+        Some(info) if !mesh.uvs.is_empty() && info.tex_coord() == 0 => Some(texture(file, &info.texture())?),
+        Some(_) => {
+            notices.push(format!("{}: {place}: texture without its coordinates left out", file.check.file.display()));
+            None
+        }
+        None => None,
+    };
+    Ok(Look {
+        albedo: file.check.albedo(&format!("{place}.baseColorFactor"), [red, green, blue])?,
+        texture,
+        emission: file.check.radiance(&format!("{place}.emissiveFactor"), emission.to_array())?,
+    })
+}
+
+fn texture(file: &File, texture: &gltf::Texture) -> Result<Texture, SceneError> {
+    let image = texture.source();
+    let field = format!("images[{}]", image.index());
+    match image.source() {
+        Source::View { view, .. } => picture::texture(file.check, &field, file.buffers.view(file.check, &view)?),
+        Source::Uri { uri, .. } => {
+            let bytes = super::bytes::fetch(file.asset, &field, uri)?;
+            picture::texture(file.check, &field, &bytes)
+        }
+    }
+}
