@@ -10,6 +10,7 @@
 //! | execute | `execute.rs`, `recorder.rs` | cell → picture, counters, memory |
 //! | time | `run/timing.rs`, `rounds.rs`, `calibrate.rs` | cells → their times, side by side |
 //! | score | `score.rs` | picture and reference → error measures |
+//! | forecast | `todo.rs`, `forecast.rs` | what is left of a plan and a store → how long it may take |
 //! | table | `table.rs` | a store → rows of a CSV or Parquet file |
 //! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
 //! | gate | `gate/` | what a store holds, against baselines |
@@ -58,6 +59,7 @@ mod select;
 mod settings;
 mod suite;
 mod table;
+mod todo;
 
 pub use budget::{
     budget,

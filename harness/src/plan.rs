@@ -123,7 +123,7 @@ impl Plan {
         for entry in entries {
             let jobs = jobs(entry)?;
             let quantities = entry.quantities.iter().map(|name| quantity(name)).collect::<Result<Vec<_>, _>>()?;
-            for name in &entry.scenes {
+            for name in &scenes(entry) {
                 let scene = match names.get(name) {
                     Some(scene) => *scene,
                     None => plan.add_scene(halflight_scenes::find(name)?),
@@ -230,7 +230,7 @@ pub(crate) fn quantity(name: &str) -> Result<Quantity, Error> {
 
 /// The methods of an entry with every combination of its settings.
 fn jobs(entry: &Entry) -> Result<Vec<(&'static dyn Method, Params)>, Error> {
-    let methods: Vec<_> = entry.methods.iter().map(|id| method(id)).collect::<Result<_, _>>()?;
+    let methods = entry.methods.iter().map(|name| methods(name)).collect::<Result<Vec<_>, _>>()?.concat();
     let declared = |m: &&'static dyn Method| m.info().params.iter().map(|spec| spec.name);
     let known: HashSet<&str> = methods.iter().flat_map(declared).collect();
     let mut seen = HashSet::new();
@@ -262,6 +262,23 @@ fn combinations(method: &'static dyn Method, set: &[Setting]) -> Result<Vec<Para
     };
     let points = grid(&own, specs).map_err(|source| Error::Param { method: method.info().id, source })?;
     points.into_iter().map(resolve).collect()
+}
+
+/// The scenes of an entry, `all` spelled out.
+fn scenes(entry: &Entry) -> Vec<String> {
+    let named = |name: &String| match name.as_str() {
+        "all" => halflight_scenes::shipped().into_iter().map(|(name, ..)| name).collect(),
+        name => vec![name.to_owned()],
+    };
+    entry.scenes.iter().flat_map(named).collect()
+}
+
+/// The registered methods that a name stands for: one by its id, those of a family by `family/*`, every one by `all`.
+fn methods(name: &str) -> Result<Vec<&'static dyn Method>, Error> {
+    let family = name.strip_suffix("/*");
+    let named = |method: &&'static dyn Method| name == "all" || family == Some(method.info().family());
+    let found: Vec<_> = halflight_registry::methods().into_iter().filter(named).collect();
+    if found.is_empty() { Ok(vec![method(name)?]) } else { Ok(found) }
 }
 
 /// A registered method by its id.

@@ -10,20 +10,20 @@ use crate::Error;
 use crate::calibrate::Calibrator;
 use crate::execute::{Runner, Shaded, Task};
 use crate::forecast::Forecast;
-use crate::plan::{Group, Plan, Stage, State};
+use crate::plan::{Group, Plan, State};
 use crate::priority;
 use crate::progress::Progress;
 use crate::recorder::Recorder;
 use crate::score::{self, Judgement, With};
+use crate::todo::{Left, Todo};
 use halflight_contract::{Cache, Support};
-use halflight_references::{Quality, ReferenceStore, Request};
-use halflight_results::{Cell, Environment, Failure, Key, Record, Run, Skip, Store, StoreError};
-use halflight_scenes::{Frame, Scene};
+use halflight_references::{Quality, ReferenceStore};
+use halflight_results::{Cell, Environment, Failure, Key, Record, ReferenceMade, Run, Skip, Store, StoreError};
+use halflight_scenes::Frame;
 use rayon::ThreadPool;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use timing::Planned;
 
 /// How a plan is carried out; none of it is part of a cell's key.
 #[derive(Clone, Debug)]
@@ -88,16 +88,14 @@ pub struct Summary {
 /// The store or the cache cannot be written. Nothing else stops a run: a failing cell is a failure line and a count.
 pub fn run(plan: &Plan, store: &mut Store, options: &Options) -> Result<Summary, Error> {
     let started = Instant::now();
-    let of_scene = |scene: usize| plan.groups.iter().filter(move |group| group.scene == scene);
-    let scenes: Vec<Todo<'_>> =
-        (0..plan.scenes.len()).map(|scene| Todo::new(plan, scene, of_scene(scene), store, options)).collect();
+    let scenes = Todo::all(plan, store, &options.quality);
     let steps = scenes.iter().map(|todo| todo.cells.len() + todo.untimed.len() + todo.judgements.len()).sum();
     let references = ReferenceStore::open(options.cache.join("references"))?;
     let progress = if options.show_progress { Progress::new(steps) } else { Progress::silent() };
     let environment = crate::environment();
     let forecast = Forecast::new(store, &environment, options.repeats);
+    let left = Left::of(&scenes, &references);
     let (pools, calibrator) = (timing::pools(plan)?, Calibrator::new());
-    let left = scenes.iter().flat_map(|todo| &todo.cells).map(|(_, cell)| *cell).collect();
     let summary = Summary::default();
     let mut running = Running {
         plan,
@@ -120,82 +118,6 @@ pub fn run(plan: &Plan, store: &mut Store, options: &Options) -> Result<Summary,
     Ok(running.summary)
 }
 
-/// What is to be done about one scene.
-struct Todo<'p> {
-    scene: &'p Scene,
-    frames: &'p [Frame],
-    /// Cells to run, those of a group in a row.
-    cells: Vec<(&'p Group, &'p Cell)>,
-    /// Cells whose times are to be taken, those of a group in a row.
-    untimed: Vec<Planned<'p>>,
-    /// Cells that are skipped, with the reason.
-    skipped: Vec<(&'p Cell, String)>,
-    cached: usize,
-    judgements: Vec<Judgement>,
-}
-
-impl<'p> Todo<'p> {
-    /// Of these groups, all on the scene of this index.
-    fn new(
-        plan: &'p Plan,
-        index: usize,
-        groups: impl Iterator<Item = &'p Group>,
-        store: &Store,
-        options: &Options,
-    ) -> Self {
-        let Stage { scene, frames } = &plan.scenes[index];
-        let (cells, untimed, skipped, judgements) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut todo = Self { scene, frames, cells, untimed, skipped, cached: 0, judgements };
-        for (group, cell) in groups.flat_map(|group| group.cells.iter().map(move |cell| (group, cell))) {
-            let state = group.state(cell, store);
-            if matches!(state, State::Run | State::Time) && cell.timed_on.is_some() {
-                todo.untimed.push((group, cell));
-            }
-            match state {
-                State::Run => todo.cells.push((group, cell)),
-                State::Time | State::Cached => todo.cached += 1,
-                State::Skip(why) => {
-                    todo.skipped.push((cell, why));
-                    continue;
-                }
-            }
-            todo.judge(group, cell, plan.seed, store, &options.quality);
-        }
-        todo
-    }
-
-    fn is_work(&self) -> bool {
-        !self.cells.is_empty() || !self.untimed.is_empty() || !self.judgements.is_empty()
-    }
-
-    /// Notes the references that a cell lacks a score against.
-    fn judge(&mut self, group: &Group, cell: &Cell, seed: u64, store: &Store, quality: &Quality) {
-        let frame = cell.frame as usize;
-        let quantity = group.quantity;
-        for reference in &group.references {
-            let same = |j: &Judgement| j.frame == frame && j.quantity == quantity && j.reference == *reference;
-            let known = self.judgements.iter().position(same);
-            let key = match known {
-                Some(known) => self.judgements[known].key.clone(),
-                None => {
-                    let (scene, frame) = (self.scene, &self.frames[frame]);
-                    reference_key(&Request { reference, quantity, scene, frame, quality, seed }.key())
-                }
-            };
-            if score::is_scored(&cell.key(), &key, store) {
-                continue;
-            }
-            match known {
-                Some(known) => self.judgements[known].cells.push(cell.key()),
-                None => {
-                    let (reference, cells) = (reference.clone(), vec![cell.key()]);
-                    self.judgements.push(Judgement { frame, reference, quantity, key, cells });
-                }
-            }
-        }
-    }
-}
-
 struct Running<'r> {
     plan: &'r Plan,
     store: &'r mut Store,
@@ -204,8 +126,7 @@ struct Running<'r> {
     environment: Environment,
     progress: Progress,
     forecast: Forecast,
-    /// Cells that are still to be run.
-    left: Vec<&'r Cell>,
+    left: Left<'r>,
     summary: Summary,
     /// For groups that are timed on other threads than all else is done on.
     pools: &'r BTreeMap<usize, ThreadPool>,
@@ -217,10 +138,12 @@ impl<'r> Running<'r> {
     fn within(&mut self, budget: Duration, started: Instant) -> Result<(), StoreError> {
         let (plan, options) = (self.plan, self.options);
         for group in priority::order(plan, self.store) {
-            let todo = Todo::new(plan, group.scene, std::iter::once(group), self.store, options);
+            let todo = Todo::new(plan, group.scene, std::iter::once(group), self.store, &options.quality);
             // What has run by now tells of the rest.
             self.forecast = Forecast::new(self.store, &self.environment, options.repeats);
-            let expected = self.forecast.sum(todo.cells.iter().map(|(_, cell)| *cell)).seconds;
+            let references: Vec<_> = todo.to_make(&self.references).collect();
+            let references = references.iter().map(|(_, work)| work);
+            let expected = self.forecast.sum(todo.work(), references).seconds;
             let over = started.elapsed().as_secs_f64() + expected > budget.as_secs_f64();
             if over && todo.is_work() {
                 self.summary.cached += todo.cached;
@@ -304,7 +227,9 @@ impl<'r> Running<'r> {
                 elsewhere.push((group, cell));
                 continue;
             };
-            self.left.retain(|left| !std::ptr::eq(*left, cell));
+            if cell.timed_on.is_none() {
+                self.left.done(cell);
+            }
             self.store.refresh()?;
             if group.state(cell, self.store) != State::Run {
                 self.summary.cached += 1;
@@ -316,8 +241,7 @@ impl<'r> Running<'r> {
                 label = format!("{label} frame {}", cell.frame);
             }
             let frame = &todo.frames[cell.frame as usize];
-            let left = self.forecast.sum(self.left.iter().copied());
-            let shown = if left.seconds > 0.0 { format!("{label} · then {left}") } else { label.clone() };
+            let shown = self.with_time_left(&label);
             self.progress.begin(&shown);
             runner.tune(&group.params);
             let shaded =
@@ -369,15 +293,20 @@ impl<'r> Running<'r> {
     /// Obtains a reference and scores the cells that wait for it.
     fn judge(&mut self, todo: &Todo<'_>, judgement: &Judgement, with: &With<'_>) -> Result<(), StoreError> {
         let label = format!("{} · {}", todo.scene.name, judgement.reference.id());
-        self.progress.begin(&label);
+        self.left.references.remove(&judgement.key);
+        let shown = self.with_time_left(&label);
+        self.progress.begin(&shown);
         self.store.refresh()?;
-        let cells = judgement.waiting(self.store);
+        let cells: Vec<Key> = judgement.waiting(self.store).into_iter().cloned().collect();
         if cells.is_empty() {
             self.progress.pass();
             return Ok(());
         }
-        let mut steps = |what: &str, done, total| self.progress.within(&label, what, done, total);
+        let mut steps = |what: &str, done, total| self.progress.within(&shown, what, done, total);
         let frame = &todo.frames[judgement.frame];
+        // Of one that was begun before, the time tells nothing.
+        let begun = self.references.state(judgement.key.as_str()).is_some();
+        let started = Instant::now();
         let judge = match judgement.judge(todo.scene, frame, with, self.store, &mut Recorder::new(&mut steps)) {
             Ok(judge) => judge,
             Err(error) => {
@@ -386,9 +315,22 @@ impl<'r> Running<'r> {
                 return Ok(());
             }
         };
+        if judge.made && !begun {
+            self.append(Record::Reference(ReferenceMade {
+                scene: todo.scene.name.clone(),
+                scene_hash: todo.scene.content.to_string(),
+                frame: frame.index as u32,
+                reference: judgement.reference.id(),
+                reference_key: judgement.key.clone(),
+                quantity: judgement.quantity.to_string(),
+                receivers: frame.receivers.len(),
+                nanoseconds: started.elapsed().as_nanos() as f64,
+                environment: self.environment.clone(),
+            }))?;
+        }
         self.summary.references_made += usize::from(judge.made);
         for cell in cells {
-            let Some(run) = self.store.run(cell) else { continue };
+            let Some(run) = self.store.run(&cell) else { continue };
             match score::score(run, &judgement.reference.id(), &judgement.key, self.store, &judge) {
                 Ok(score) => {
                     self.summary.scored += 1;
@@ -406,19 +348,25 @@ impl<'r> Running<'r> {
 
     /// Says before the work how long it may take, where earlier runs tell.
     fn tell_expected(&self) {
-        let expected = self.forecast.sum(self.left.iter().copied());
+        let expected = self.left.expected(&self.forecast);
         if expected.seconds > 0.0 {
-            self.progress.note(&format!("{} cells to run: {expected}, by earlier runs", self.left.len()));
+            let references = match self.left.references.len() {
+                0 => String::new(),
+                count => format!(" and {count} references to make"),
+            };
+            let cells = self.left.cells.len();
+            self.progress.note(&format!("{cells} cells to run{references}: {expected}, by earlier runs"));
         }
+    }
+
+    /// What is at hand, and how long the rest may take where earlier runs tell.
+    fn with_time_left(&self, label: &str) -> String {
+        let left = self.left.expected(&self.forecast);
+        if left.seconds > 0.0 { format!("{label} · then {left}") } else { label.to_owned() }
     }
 
     fn append(&mut self, record: Record) -> Result<(), StoreError> {
         self.summary.lines += 1;
         self.store.append(record)
     }
-}
-
-/// A reference's key as results write it.
-pub(crate) fn reference_key(key: &str) -> Key {
-    Key::try_from(key.to_owned()).unwrap_or_else(|_| Key::of_bytes(key.as_bytes()))
 }

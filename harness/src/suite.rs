@@ -11,6 +11,7 @@
 //! quantities = ["direct"]                          # the default; `indirect-1` (bounces), `total`
 //! ```
 //!
+//! `scenes = ["all"]` are all that are shipped, `methods = ["all"]` all that are registered, `shexp/*` those of a family.
 //! Every entry stands for all combinations of its scenes, methods and settings; a cell that several entries name is run
 //! once, against the references of all of them.
 
@@ -35,9 +36,9 @@ pub struct Suite {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// Shipped names or paths of scene files.
+    /// Shipped names or paths of scene files; `all` for every shipped one.
     pub scenes: Vec<String>,
-    /// Method ids.
+    /// Method ids; `family/*` for a family's, `all` for every one.
     pub methods: Vec<String>,
     /// Series by parameter; applied to those of the methods that declare the parameter.
     #[serde(default, deserialize_with = "settings")]
@@ -51,10 +52,12 @@ pub struct Entry {
 }
 
 /// The suites that come with the program.
-pub(crate) const SHIPPED: [(&str, &str); 3] = [
+pub(crate) const SHIPPED: [(&str, &str); 5] = [
     ("quick", include_str!("../suites/quick.toml")),
-    ("gate", include_str!("../suites/gate.toml")),
+    ("full", include_str!("../suites/full.toml")),
+    ("paper/shexp", include_str!("../suites/paper/shexp.toml")),
     ("scaling", include_str!("../suites/scaling.toml")),
+    ("gate", include_str!("../suites/gate.toml")),
 ];
 
 impl Suite {
@@ -150,6 +153,24 @@ mod tests {
         for (name, _) in SHIPPED {
             assert!(!Suite::find(name).unwrap().about.is_empty());
         }
+    }
+
+    #[test]
+    fn every_suite_file_is_shipped_under_its_path() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("suites");
+        let mut found = Vec::new();
+        for (folder, before) in [(folder.clone(), ""), (folder.join("paper"), "paper/")] {
+            for file in std::fs::read_dir(folder).unwrap() {
+                let path = file.unwrap().path();
+                if path.is_file() {
+                    found.push(format!("{before}{}", path.file_stem().unwrap().display()));
+                }
+            }
+        }
+        found.sort();
+        let mut shipped = SHIPPED.map(|(name, _)| name);
+        shipped.sort_unstable();
+        assert_eq!(found, shipped);
     }
 
     #[test]

@@ -93,8 +93,8 @@ fn memory_unit(bytes: f64) -> (f64, &'static str) {
 
 fn caption(report: &Report, front: &Front) -> String {
     let mut text = String::from(
-        "Lower left is better. On the line: the Pareto front, which no setting beats. Small and faint: dominated, by more than \
-         the uncertainty. Off the line and full: beaten by less than that. Hollow: the error is not resolved.",
+        "Lower left is better. On the line and listed: the Pareto front, which no setting beats. Small and faint: dominated, by \
+         more than the uncertainty. Off the line and full: beaten by less than that. Hollow: the error is not resolved.",
     );
     if let Some(relative) = &front.relative {
         let scenes: Vec<String> = relative.scenes.iter().map(|scene| escape(scene)).collect();
@@ -113,9 +113,9 @@ fn caption(report: &Report, front: &Front) -> String {
     text
 }
 
-/// The settings that are not dominated.
+/// The settings on the front.
 fn key(report: &Report, front: &Front) -> String {
-    let shown = front.entries.iter().filter(|entry| !matches!(entry.standing, Standing::Dominated { .. }));
+    let shown = front.entries.iter().filter(|entry| entry.standing == Standing::Front);
     shown
         .map(|entry| format!("<li>{}{}</li>", chip(report, entry.label), escape(&report.labels[entry.label])))
         .collect()

@@ -96,26 +96,66 @@ fn draw(svg: &mut String, points: &[&Point], axes: &Axes) -> Result<(), Box<dyn 
         Standing::Undecided => 1,
         Standing::Front => 2,
     });
-    for point in ordered {
+    let spot = |p: &Point| (p.cost.value() / unit, p.error.value());
+    for point in &ordered {
         let dominated = matches!(point.standing, Standing::Dominated { .. });
         let strength = if dominated { 0.4 } else { 1.0 };
         let [r, g, b] = point.colour;
         let colour = RGBColor(r, g, b).mix(strength);
-        let (cost, error) = (point.cost.value() / unit, point.error.value());
+        let (cost, error) = spot(point);
         let across = [point.cost.low(), point.cost.high()].map(|end| ((end / unit).max(x.low), error));
         let upwards = [point.error.low(), point.error.high()].map(|end| (cost, end.max(y.low)));
         let whiskers = [across, upwards].map(|ends| PathElement::new(ends.to_vec(), colour.stroke_width(2)));
         chart.draw_series(whiskers)?;
         let style = if point.resolved { colour.filled() } else { colour.stroke_width(2) };
         chart.draw_series([Circle::new((cost, error), if dominated { 4 } else { 6 }, style)])?;
-        let font = ("sans-serif", if dominated { 11 } else { 14 }).into_font();
-        let font = if dominated { font } else { font.style(FontStyle::Bold) };
-        let ink = BLACK.mix(strength);
-        let style = font.into_text_style(&root).color(&ink).pos(Pos::new(HPos::Left, VPos::Bottom));
-        chart.draw_series([EmptyElement::at((cost, error)) + Text::new(point.number.to_string(), (7, -5), style)])?;
+    }
+    // Numbers where there is room for them: the front's first, those of what is dominated nowhere.
+    let mut taken: Vec<Pixels> = points.iter().map(|p| Pixels::around(chart.backend_coord(&spot(p)), 5)).collect();
+    ordered.reverse();
+    for point in ordered.iter().filter(|p| !matches!(p.standing, Standing::Dominated { .. })) {
+        let text = point.number.to_string();
+        let Some(place) = Pixels::beside(chart.backend_coord(&spot(point)), text.len() as i32, &taken) else {
+            continue;
+        };
+        taken.push(place);
+        let font = ("sans-serif", 14).into_font();
+        let font = if point.standing == Standing::Front { font.style(FontStyle::Bold) } else { font };
+        root.draw(&Text::new(text, (place.left, place.top), font.into_text_style(&root)))?;
     }
     root.present()?;
     Ok(())
+}
+
+/// A rectangle of the picture.
+#[derive(Clone, Copy)]
+struct Pixels {
+    left: i32,
+    top: i32,
+    width: i32,
+    height: i32,
+}
+
+impl Pixels {
+    fn around((x, y): (i32, i32), radius: i32) -> Self {
+        Self { left: x - radius, top: y - radius, width: 2 * radius, height: 2 * radius }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        self.left < other.left + other.width
+            && other.left < self.left + self.width
+            && self.top < other.top + other.height
+            && other.top < self.top + self.height
+    }
+
+    /// Where a number of so many digits stands free beside a point, if anywhere.
+    fn beside((x, y): (i32, i32), digits: i32, taken: &[Self]) -> Option<Self> {
+        let (width, height) = (8 * digits, 13);
+        let near = [(7, -16), (7, 4), (-7 - width, -16), (-7 - width, 4), (-width / 2, -21), (-width / 2, 9)];
+        let far = [(12, -30), (12, 18), (-12 - width, -30), (-12 - width, 18), (-width / 2, -34), (-width / 2, 22)];
+        let at = |(right, down): &(i32, i32)| Self { left: x + right, top: y + down, width, height };
+        near.iter().chain(&far).map(at).find(|place| !taken.iter().any(|other| place.meets(other)))
+    }
 }
 
 /// The front from the plot's top to its right: at every cost the least error to be had for it.
@@ -150,10 +190,14 @@ impl Axis {
         Self { low: low / room, high: high * room }
     }
 
-    /// 1, 2, 5 times powers of ten, or the powers alone where those are many.
+    /// 1, 2, 5 times powers of ten; more of them on a short axis, the powers alone on a long one.
     fn ticks(&self) -> Vec<f64> {
         let powers = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
-        let steps: &[f64] = if self.high / self.low > 2000.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let steps: &[f64] = match self.high / self.low {
+            range if range > 2000.0 => &[1.0],
+            range if range > 12.0 => &[1.0, 2.0, 5.0],
+            _ => &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0],
+        };
         let all = powers.flat_map(|p| steps.iter().map(move |s| s * 10f64.powi(p)));
         all.filter(|t| (self.low..=self.high).contains(t)).collect()
     }
@@ -168,12 +212,12 @@ impl Axis {
     }
 }
 
-/// A tick's label: `0.02`, `50`, or `5e−6`. Ticks have one significant digit.
+/// A tick's label: `0.02`, `1.5`, `50`, or `5e−6`.
 pub(crate) fn tick(value: f64) -> String {
     if (0.000_9..=100_000.0).contains(&value) {
         format!("{}", (value * 1e6).round() / 1e6)
     } else {
-        format!("{value:.0e}").replace('-', "−")
+        format!("{value:.1e}").replace(".0e", "e").replace('-', "−")
     }
 }
 
@@ -215,6 +259,18 @@ mod tests {
         assert_eq!(circles.iter().filter(|c| c.contains("r=\"4\"") && c.contains("opacity=\"0.4\"")).count(), 1);
         assert!(svg.contains("standard error of truth") && svg.contains("shade time, ms"));
         assert!(!pareto(&points, &axes(0.0)).unwrap().unwrap().contains("standard error"));
+    }
+
+    #[test]
+    fn numbers_stand_apart() {
+        let mut taken = vec![Pixels::around((100, 100), 5)];
+        while let Some(place) = Pixels::beside((100, 100), 2, &taken) {
+            assert!(taken.iter().all(|other| !place.meets(other)));
+            taken.push(place);
+        }
+        assert!((5..=13).contains(&taken.len()), "{}", taken.len());
+        // Where no room is left, none is taken.
+        assert!(Pixels::beside((100, 100), 2, &[Pixels::around((100, 100), 99)]).is_none());
     }
 
     #[test]

@@ -29,7 +29,7 @@ mod shipped;
 mod solids;
 mod texture;
 
-pub use animation::{Deformation, Form, Procedural};
+pub use animation::{Carried, Deformation, Form, Palette, Procedural};
 pub use assets::read_points_csv;
 pub use bodies::Bodies;
 pub use camera::Camera;

@@ -28,6 +28,7 @@
 mod claim;
 mod exr;
 mod key;
+mod leftovers;
 mod lines;
 mod merge;
 mod picture;
@@ -39,7 +40,7 @@ pub use key::{Key, KeyError};
 pub use merge::Merged;
 pub use picture::{Layout, Picture, PictureError, ReferencePicture};
 pub use record::{
-    Calibration, Cell, CrossCheck, Environment, Failure, Params, Phase, Record, Run, SCHEMA, Score, Skip, Storage,
-    Times, Timing,
+    Calibration, Cell, CrossCheck, Environment, Failure, Params, Phase, Record, ReferenceMade, Run, SCHEMA, Score,
+    Skip, Storage, Times, Timing,
 };
 pub use store::{Store, StoreError};

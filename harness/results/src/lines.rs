@@ -69,6 +69,11 @@ impl Appender {
         self.0.write_all(&bytes)?;
         Ok(whole + bytes.len() as u64)
     }
+
+    /// Waits until all that was written is on the disk.
+    pub(crate) fn sync(&self) -> io::Result<()> {
+        self.0.sync_data()
+    }
 }
 
 fn rest(file: &mut File, from: u64) -> io::Result<Vec<u8>> {

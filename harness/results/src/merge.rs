@@ -4,7 +4,7 @@
 //! stays: a run whose picture is whole, a run, a failure, a skip, in this order; between equals the one that was there
 //! first. Equal keys promise equal pictures, so two runs of one cell with different pictures are told as a conflict.
 
-use crate::{Cell, CrossCheck, Key, PictureError, Record, Score, Store, StoreError};
+use crate::{Cell, CrossCheck, Key, PictureError, Record, ReferenceMade, Score, Store, StoreError};
 
 /// What came of a merge.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -53,6 +53,14 @@ impl Store {
             }
             for score in from.scores(&key) {
                 self.merge_score(from, score, cell, &mut merged)?;
+            }
+        }
+        for made in from.references_made() {
+            let same = |ours: &ReferenceMade| {
+                ours.reference_key == made.reference_key && ours.environment.class() == made.environment.class()
+            };
+            if !self.references_made().any(same) {
+                self.append(Record::Reference(made.clone()))?;
             }
         }
         for check in from.cross_checks() {
@@ -117,7 +125,7 @@ impl Store {
             Record::Run(run) if run.image.as_ref().is_none_or(|image| self.has_image(image)) => 3,
             Record::Run(_) => 2,
             Record::Failure(_) => 1,
-            Record::Skip(_) | Record::Times(_) | Record::Score(_) | Record::CrossCheck(_) => 0,
+            Record::Skip(_) | Record::Times(_) | Record::Score(_) | Record::Reference(_) | Record::CrossCheck(_) => 0,
         }
     }
 }

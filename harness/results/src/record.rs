@@ -27,18 +27,20 @@ pub enum Record {
     Times(Box<Times>),
     /// The errors of a run's picture against one reference.
     Score(Score),
+    /// A reference that was made, and what it took.
+    Reference(ReferenceMade),
     /// What another program says to the truth.
     CrossCheck(Box<CrossCheck>),
 }
 
 impl Record {
-    /// The cell that a run, skip or failure is about; none for what is said about a run later, or a cross-check.
+    /// The cell that a run, skip or failure is about; none for what is said about a run later, a reference or a cross-check.
     pub fn cell(&self) -> Option<&Cell> {
         match self {
             Record::Run(run) => Some(&run.cell),
             Record::Skip(skip) => Some(&skip.cell),
             Record::Failure(failure) => Some(&failure.cell),
-            Record::Times(_) | Record::Score(_) | Record::CrossCheck(_) => None,
+            Record::Times(_) | Record::Score(_) | Record::Reference(_) | Record::CrossCheck(_) => None,
         }
     }
 }
@@ -252,6 +254,29 @@ pub struct Score {
     pub resolved: bool,
     /// Every error measure by name, the reference's standard error among them.
     pub measures: BTreeMap<String, f64>,
+}
+
+/// A reference that was made: how long it took, to tell how long others may take.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceMade {
+    /// The scene's name or path.
+    pub scene: String,
+    /// Hash of the scene's content, assets included.
+    pub scene_hash: String,
+    /// The frame's index.
+    pub frame: u32,
+    /// The reference's id, such as `truth`.
+    pub reference: String,
+    /// The reference's key.
+    pub reference_key: Key,
+    /// Which light, such as `direct`.
+    pub quantity: String,
+    /// The frame's receivers, valid or not.
+    pub receivers: usize,
+    /// Wall time, nanoseconds.
+    pub nanoseconds: f64,
+    /// Where it was made.
+    pub environment: Environment,
 }
 
 /// The truth of a scene held against what another program finds at the same receivers.

@@ -2,7 +2,10 @@
 
 use crate::exr::read_bytes;
 use crate::lines::{self, Appender};
-use crate::{Cell, Claim, CrossCheck, Key, Picture, PictureError, Record, ReferencePicture, Run, SCHEMA, Score, Times};
+use crate::{
+    Cell, Claim, CrossCheck, Key, Picture, PictureError, Record, ReferenceMade, ReferencePicture, Run, SCHEMA, Score,
+    Times,
+};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -83,7 +86,8 @@ struct Line<R> {
 impl Store {
     /// Opens a results directory; one that does not exist yet is an empty store, and is made by the first write.
     ///
-    /// A torn last line, left by a killed writer, is ignored, reported by [`Store::warnings`], and cut off by the next write.
+    /// Files that killed writers left on their way, and claims that nobody holds, are removed once they are ten minutes old. A
+    /// torn last line, left by a killed writer, is ignored, reported by [`Store::warnings`], and cut off by the next write.
     ///
     /// # Errors
     /// The file cannot be read, any other line is not a record, or a line is of another schema.
@@ -99,6 +103,7 @@ impl Store {
             read: 0,
             feeds: 0,
         };
+        crate::leftovers::sweep(&store.dir);
         if store.refresh()? {
             let (path, line) = (store.path(), store.feeds + 1);
             let why = "ignored and to be cut off, its writer was stopped in the middle of it";
@@ -131,7 +136,8 @@ impl Store {
         &self.warnings
     }
 
-    /// Appends a record. Several stores, in one process or many, may append to the same directory.
+    /// Appends a record. Several stores, in one process or many, may append to the same directory. A power cut loses at most
+    /// the scores since the last record of another kind.
     ///
     /// # Errors
     /// The file cannot be written, or the record holds a NaN or infinity, which JSON cannot.
@@ -149,6 +155,10 @@ impl Store {
         let others = file.read(self.read).map_err(|source| self.io(source))?;
         self.take_in(&others)?;
         let whole = file.append(self.read, &text).map_err(|source| self.io(source))?;
+        // What took long is on the disk before the next is begun; a score that a power cut loses is taken again in no time.
+        if !matches!(record, Record::Score(_)) {
+            file.sync().map_err(|source| self.io(source))?;
+        }
         self.index(record);
         // A last line without its line feed was given it.
         self.feeds += usize::from(whole - self.read > text.len() as u64 + 1) + 1;
@@ -223,6 +233,14 @@ impl Store {
         self.scores(cell).into_iter().find(|s| s.reference_key == *reference && s.metrics == metrics)
     }
 
+    /// The references that were made, in the order of their lines.
+    pub fn references_made(&self) -> impl Iterator<Item = &ReferenceMade> {
+        self.records.iter().filter_map(|record| match record {
+            Record::Reference(made) => Some(made),
+            _ => None,
+        })
+    }
+
     /// The latest cross-check of each scene, frame, quantity and program, in the order in which they first appeared.
     pub fn cross_checks(&self) -> Vec<&CrossCheck> {
         let mut latest: Vec<&CrossCheck> = Vec::new();
@@ -262,7 +280,8 @@ impl Store {
         self.write_image(&reference.to_exr()?)
     }
 
-    /// Stores the bytes of an EXR file, such as a reference from a cache, and returns their hash.
+    /// Stores the bytes of an EXR file, such as a reference from a cache, and returns their hash. A power cut may lose it, where
+    /// the system has not written it yet: the record that names it is then one without a picture, and the cell is run again.
     ///
     /// # Errors
     /// The file cannot be written.

@@ -1,9 +1,14 @@
 //! `halflight list`.
 
-use super::{Ending, say};
+use super::{CacheDir, Ending, Out, say};
+use crate::forecast::Forecast;
+use crate::plan::{Plan, State, Terms};
 use crate::suite::{SHIPPED, Suite};
+use crate::todo::Left;
+use crate::{Options, refs};
 use clap::{Args, ValueEnum};
-use halflight_references::Reference;
+use halflight_references::{Quality, Reference};
+use halflight_results::Store;
 
 #[derive(Args)]
 pub(super) struct List {
@@ -12,6 +17,10 @@ pub(super) struct List {
     /// As a JSON array of objects with `id` and `about`
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    out: Out,
+    #[command(flatten)]
+    cache: CacheDir,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -48,7 +57,7 @@ const METRICS: [(&str, &str); 11] = [
 
 impl List {
     pub(super) fn act(&self) -> anyhow::Result<Ending> {
-        let entries = self.kind.entries()?;
+        let entries = self.entries()?;
         if self.json {
             say(&serde_json::to_string_pretty(&entries)?);
             return Ok(Ending::Well);
@@ -59,29 +68,51 @@ impl List {
     }
 }
 
-impl Kind {
-    fn entries(self) -> anyhow::Result<Vec<Entry>> {
+impl List {
+    fn entries(&self) -> anyhow::Result<Vec<Entry>> {
         let entry = |(id, about): (&str, &str)| Entry { id: id.to_owned(), about: about.to_owned() };
-        Ok(match self {
+        Ok(match self.kind {
             Kind::Scenes => scenes(),
             Kind::Methods => {
                 halflight_registry::methods().iter().map(|m| entry((m.info().id, m.info().about))).collect()
             }
             Kind::Parameters => halflight_registry::methods().iter().flat_map(|m| parameters(m.info())).collect(),
             Kind::References => Reference::all().iter().map(|kind| entry((kind.id, kind.about))).collect(),
-            Kind::Suites => suites()?,
+            Kind::Suites => self.suites()?,
             Kind::Metrics => METRICS.map(entry).into(),
             Kind::Columns => crate::COLUMNS.map(entry).into(),
         })
     }
 }
 
-fn scenes() -> Vec<Entry> {
-    halflight_scenes::shipped().into_iter().map(|(id, _, about)| Entry { id, about }).collect()
+impl List {
+    /// Suites with how many cells they have, and what of them is not in the results yet.
+    fn suites(&self) -> anyhow::Result<Vec<Entry>> {
+        let environment = crate::environment::environment();
+        let terms = Terms { seed: 1, timed_on: environment.class() };
+        let (store, quality) = (Store::open(&self.out.out)?, Quality::default());
+        let references = refs::store(&self.cache.path()?);
+        let forecast = Forecast::new(&store, &environment, Options::REPEATS);
+        let entry = |name: &str| {
+            let suite = Suite::find(name)?;
+            let plan = Plan::new(&suite.entries, &terms)?;
+            let left = Left::new(&plan, &store, &references, &quality);
+            let served = plan.cells().filter(|(group, cell)| !matches!(group.state(cell, &store), State::Skip(_)));
+            let (cells, to_run) = (served.count(), left.cells.len());
+            let expected = left.expected(&forecast);
+            let time = match (to_run + left.references.len(), expected.seconds > 0.0) {
+                (0, _) => "all in the results".to_owned(),
+                (_, true) => format!("{to_run} to run: {expected}"),
+                (_, false) => format!("{to_run} to run, of unknown time"),
+            };
+            Ok(Entry { id: name.to_owned(), about: format!("{} ({cells} cells, {time})", suite.about) })
+        };
+        SHIPPED.iter().map(|(name, _)| entry(name)).collect()
+    }
 }
 
-fn suites() -> anyhow::Result<Vec<Entry>> {
-    SHIPPED.iter().map(|(name, _)| Ok(Entry { id: (*name).to_owned(), about: Suite::find(name)?.about })).collect()
+fn scenes() -> Vec<Entry> {
+    halflight_scenes::shipped().into_iter().map(|(id, _, about)| Entry { id, about }).collect()
 }
 
 fn parameters(info: &'static halflight_contract::Info) -> impl Iterator<Item = Entry> {

@@ -97,7 +97,7 @@ struct Pick {
     /// A scene, repeatable: a shipped one's name, or the path of a scene file; all shipped ones if not given
     #[arg(long, value_name = "SCENE")]
     scene: Vec<String>,
-    /// A method, repeatable; all if not given
+    /// A method, repeatable: an id, or family/* for those of a family; all if not given
     #[arg(long, value_name = "METHOD")]
     method: Vec<String>,
     /// Values of a parameter, repeatable, for the methods that declare it: order=4, order=2..6, p=2,4, self-shadow=all,

@@ -44,7 +44,10 @@ impl Run {
     /// Runs what is asked for, this suite if nothing is; with the results, if it was no dry run.
     pub(super) fn carry_out(&self, suite: &str, threads: &[usize]) -> anyhow::Result<(Ending, Option<Store>)> {
         if self.dry_run {
-            let told = super::plan::tell(&self.pick, suite, threads, &self.out, self.repeats.into(), self.budget)?;
+            let references = crate::refs::store(&self.cache.path()?);
+            let (repeats, quality) = (self.repeats.into(), self.how_good.quality()?);
+            let plan = self.pick.plan(suite, threads)?;
+            let told = super::plan::tell(&plan, &self.out, &references, &quality, repeats, self.budget)?;
             return Ok((told, None));
         }
         let quality = self.how_good.quality()?;

@@ -1,9 +1,10 @@
 //! The times of cells, once there are their pictures: which are timed side by side, and on which threads.
 
-use super::{Running, Todo};
+use super::Running;
 use crate::Error;
 use crate::plan::{Group, Plan, State};
 use crate::rounds::{Entrant, Timed, side_by_side};
+use crate::todo::{Planned, Todo};
 use halflight_contract::Cache;
 use halflight_results::{Cell, Failure, Record, StoreError, Times};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -15,9 +16,6 @@ const MOST: usize = 8;
 
 /// Most bytes that these may hold together, as far as their runs tell; a single one may hold more.
 const MOST_BYTES: u64 = 1 << 30;
-
-/// A cell with its group.
-pub(crate) type Planned<'p> = (&'p Group, &'p Cell);
 
 /// Cells of one scene, those of a group in a row, in bunches of several groups each; `bytes` tells what a cell's method holds.
 pub(crate) fn bunches<'b, 'p>(cells: &'b [Planned<'p>], bytes: impl Fn(&Cell) -> u64) -> Vec<&'b [Planned<'p>]> {
@@ -39,14 +37,12 @@ pub(crate) fn bunches<'b, 'p>(cells: &'b [Planned<'p>], bytes: impl Fn(&Cell) ->
 
 /// Pools of threads by their number, for all groups that ask for one.
 pub(crate) fn pools(plan: &Plan) -> Result<BTreeMap<usize, ThreadPool>, Error> {
-    let mut pools = BTreeMap::new();
-    for threads in plan.groups.iter().filter_map(|group| group.threads) {
-        if !pools.contains_key(&threads) {
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-            pools.insert(threads, pool.map_err(|error| Error::Other(format!("{threads} threads: {error}")))?);
-        }
-    }
-    Ok(pools)
+    let counts: BTreeSet<usize> = plan.groups.iter().filter_map(|group| group.threads).collect();
+    let pool = |threads| match ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => Ok((threads, pool)),
+        Err(error) => Err(Error::Other(format!("{threads} threads: {error}"))),
+    };
+    counts.into_iter().map(pool).collect()
 }
 
 impl Running<'_> {
@@ -114,6 +110,7 @@ impl Running<'_> {
     }
 
     fn finish_times(&mut self, cell: &Cell, beside: usize, timed: Result<Timed, String>) -> Result<(), StoreError> {
+        self.left.done(cell);
         match timed {
             Ok(Timed { phases, calibration }) => {
                 self.summary.timed += 1;

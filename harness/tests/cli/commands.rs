@@ -35,7 +35,7 @@ fn plan_says_what_would_be_done_and_why_not() {
         "{told}"
     );
     assert!(told.contains("total: skip: computes direct light only"), "{told}");
-    assert!(told.ends_with("1 to run, 0 cached, 1 skipped\n"), "{told}");
+    assert!(told.ends_with("1 to run, 0 cached, 1 skipped; 3 references to make\n"), "{told}");
     assert!(!bench.path("out").exists() && !bench.path("cache").exists(), "a plan wrote something");
 
     bench.well(&format!("run {some}"));
@@ -59,7 +59,7 @@ fn equal_cells_are_planned_once() {
     bench.write("suites/mine.toml", &suite.replace("tiny.toml", "../tiny.toml"));
     let told = bench.well("plan --suite suites/mine.toml");
     assert!(told.contains("order=4 · cpu · direct: run, against truth, sh-light:4"), "{told}");
-    assert!(told.ends_with("2 to run, 0 cached, 0 skipped\n"), "{told}");
+    assert!(told.ends_with("2 to run, 0 cached, 0 skipped; 3 references to make\n"), "{told}");
 }
 
 const POINTS: &str = "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n100,0,0,0,0,2\n";

@@ -32,6 +32,10 @@ fn retuned_cells_equal_fresh_ones_and_name_who_prepared() {
     let (swept, fresh) = (bench.lines("swept"), bench.lines("fresh"));
     let (swept, fresh) = (of_kind(&swept, "run"), of_kind(&fresh, "run"));
     assert_eq!((swept.len(), fresh.len()), (2 * 12 * 3, 2 * 12 * 3));
+    // A setting that were not taken would show: each differs from the one before it.
+    for pair in swept.windows(2).filter(|pair| pair[1]["shared"]["prepare"].is_string() && pair[1]["frame"] == 0) {
+        assert!(pair[0]["frame"] == 1 || pair[0]["image"] != pair[1]["image"], "{}", label(pair[1]));
+    }
     let mut sharing = 0;
     for run in &swept {
         let same = fresh.iter().find(|other| other["key"] == run["key"]).unwrap();
@@ -92,6 +96,53 @@ fn a_suite_file_sweeps_as_the_command_line_does() {
     expected.sort();
     assert_eq!(planned, expected);
     assert_eq!(told.lines().count(), 18 + 1);
+}
+
+#[test]
+fn suites_tell_their_cells_and_name_families() {
+    let bench = Bench::new();
+    let told = bench.well("list suites --out out");
+    for part in ["quick ", "full ", "paper/shexp ", "(28 cells, 28 to run, of unknown time)"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert!(!bench.path("out").exists());
+    let whole = halflight::Suite::find("full").unwrap();
+    let plan = |methods: &str| {
+        bench.write("families.toml", &suite("order=3").replace("'shexp/hyb'", methods));
+        bench.well("plan --suite families.toml").lines().count() - 1
+    };
+    assert_eq!(plan("'shexp/*'"), 3);
+    assert_eq!(plan("'all'"), halflight_registry::methods().len());
+    assert!(whole.entries.iter().any(|entry| entry.scenes == ["all"] && entry.methods == ["all"]));
+    let said = bench.halflight("plan --scene tiny.toml --method nobody/*");
+    assert!(said.code == 2 && said.err.contains("unknown method `nobody/*`"), "{}", said.err);
+}
+
+#[test]
+fn fronts_are_printed_and_told_apart() {
+    let bench = Bench::new();
+    bench.write("other.toml", &SCENE.replace("radius = 0.5", "radius = 0.8"));
+    bench.well("run --scene tiny.toml --scene other.toml --set order=2..3 --reference truth --out out");
+    let told = bench.well("pareto --out out --all");
+    assert_eq!(told.matches("direct · over tiny, other (geometric means of ratios to").count(), 2, "{told}");
+    for part in ["direct · tiny: error against shade time", "direct · other: error against memory held", "★"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert_eq!(
+        told.lines().filter(|line| line.contains("  RMSE ")).count(),
+        6 * 2 * halflight_registry::methods().len()
+    );
+    let one = bench.well("pareto --out out --scene tiny --quantity direct --against memory");
+    assert!(one.starts_with("direct · tiny: error against memory held; ") && !one.contains("over"), "{one}");
+    for (what, part) in [
+        ("--scene tinny", "expected one of tiny, other"),
+        ("--base nobody", "unknown setting `nobody`"),
+        ("--quantity total", "expected scored runs"),
+    ] {
+        let said = bench.halflight(&format!("pareto --out out {what}"));
+        assert!(said.code == 2 && said.err.contains(part), "{what}: {}", said.err);
+    }
+    assert!(bench.well("report --out out").contains("direct · tiny: error against shade time"));
 }
 
 /// A suite with these settings, separated by semicolons.

@@ -1,5 +1,6 @@
 //! Spheres as 16 receivers see them: [`halflight_proxies::seen`] in lanes.
 
+use glam::Vec3;
 use halflight_proxies::SelfShadow;
 use halflight_scenes::{Receivers, Sphere};
 use halflight_sh::{Block, LANES, Lanes, Task};
@@ -69,7 +70,9 @@ impl Task<f32> for Seen<'_> {
                 let dropped = zero.where_less(circle.sine, one.sub(exists), zero);
                 add(exists, &mut self.counts.accumulated, part);
                 add(dropped, &mut self.counts.too_small, part);
-                circle.axis.into_iter().zip(&mut axes[kept]).for_each(|(value, axis)| value.store(&mut axis.0, part));
+                for (value, axis) in circle.axis.into_iter().zip(&mut axes[kept]) {
+                    value.store(&mut axis.0, part);
+                }
                 counted.store(&mut sines[kept].0, part);
                 seen |= zero.any_less(counted);
             }
@@ -91,7 +94,7 @@ struct LaneCircle<V> {
 }
 
 /// One sphere before the receivers of a register. Sums are rounded as in [`halflight_proxies::seen`], so that both find the same
-/// sines and remove the same spheres.
+/// sines and remove the same spheres. No closures: those that are not inlined lack the instruction set.
 struct View<V> {
     to: [V; 3],
     normal: [V; 3],
@@ -102,9 +105,12 @@ struct View<V> {
 impl<V: Lanes<Scalar = f32>> View<V> {
     #[inline(always)]
     fn new(group: &Group, sphere: &Sphere, part: usize) -> Self {
-        let center = sphere.center.to_array();
-        let to = std::array::from_fn(|axis| V::splat(center[axis]).sub(V::load(&group.position[axis].0, part)));
-        let normal = std::array::from_fn(|axis| V::load(&group.normal[axis].0, part));
+        let [position, normal] = [load(&group.position, part), load(&group.normal, part)];
+        let Vec3 { x, y, z } = sphere.center;
+        let mut to = [V::splat(x), V::splat(y), V::splat(z)];
+        for axis in 0..3 {
+            to[axis] = to[axis].sub(position[axis]);
+        }
         View { to, normal, height: dot(to, normal), radius: V::splat(sphere.radius) }
     }
 
@@ -123,11 +129,15 @@ impl<V: Lanes<Scalar = f32>> View<V> {
         if !straddles {
             return circle(to, behind.where_less(height, radius, zero));
         }
-        let inside = |yes, no| dot(to, to).where_less(radius.mul(radius), yes, no);
-        let (straddling_to, straddling_radius) = self.straddling(rule);
-        let to = std::array::from_fn(|axis| inside(to[axis], height.where_less(radius, straddling_to[axis], to[axis])));
-        let seen_radius = inside(height, height.where_less(radius, straddling_radius, radius));
-        circle(to, behind.where_less(height, seen_radius, zero))
+        let (distance, limit) = (dot(to, to), radius.mul(radius));
+        let (mut seen_to, straddling_radius) = self.straddling(rule);
+        for axis in 0..3 {
+            let outside = height.where_less(radius, seen_to[axis], to[axis]);
+            seen_to[axis] = distance.where_less(limit, to[axis], outside);
+        }
+        let outside = height.where_less(radius, straddling_radius, radius);
+        let seen_radius = distance.where_less(limit, height, outside);
+        circle(seen_to, behind.where_less(height, seen_radius, zero))
     }
 
     /// Direction and radius of the sphere that replaces one that pokes through the receiver's tangent plane.
@@ -136,18 +146,31 @@ impl<V: Lanes<Scalar = f32>> View<V> {
         let View { to, normal, height, radius } = *self;
         let (zero, one) = (V::constant(0.0), V::constant(1.0));
         let tangent_radius = V::constant(0.5).mul(height.add(radius));
-        let foot: [V; 3] = std::array::from_fn(|axis| to[axis].sub(height.mul(normal[axis])));
+        let foot = raised(to, zero.sub(height), normal);
         let rim = radius.sub(height).mul(radius.add(height)).max(zero).sqrt();
         let past_rim = dot(foot, foot).sqrt().sub(rim).div(rim);
         let alpha = zero.where_less(rim, past_rim.max(zero).min(one), one);
-        let raised = |height: V| std::array::from_fn(|axis| foot[axis].add(height.mul(normal[axis])));
         if rule == SelfShadow::Paper {
-            return (raised(tangent_radius), alpha.mul(tangent_radius));
+            return (raised(foot, tangent_radius, normal), alpha.mul(tangent_radius));
         }
         let from_radius = height.max(zero);
         let blended_height = height.add(alpha.mul(tangent_radius.sub(height)));
-        (raised(blended_height), from_radius.add(alpha.mul(tangent_radius.sub(from_radius))))
+        (raised(foot, blended_height, normal), from_radius.add(alpha.mul(tangent_radius.sub(from_radius))))
     }
+}
+
+#[inline(always)]
+fn load<V: Lanes>(blocks: &[Block<V::Scalar>; 3], part: usize) -> [V; 3] {
+    [V::load(&blocks[0].0, part), V::load(&blocks[1].0, part), V::load(&blocks[2].0, part)]
+}
+
+/// `point + height·normal`.
+#[inline(always)]
+fn raised<V: Lanes>(mut point: [V; 3], height: V, normal: [V; 3]) -> [V; 3] {
+    for axis in 0..3 {
+        point[axis] = point[axis].add(height.mul(normal[axis]));
+    }
+    point
 }
 
 #[inline(always)]
@@ -162,5 +185,5 @@ fn circle<V: Lanes<Scalar = f32>>(to: [V; 3], radius: V) -> LaneCircle<V> {
     let sine = radius.div(distance).min(one);
     let sine = zero.where_less(radius, zero.where_less(distance, sine, zero), zero);
     let nearness = zero.where_less(sine, one.div(distance), zero);
-    LaneCircle { axis: to.map(|component| component.mul(nearness)), sine }
+    LaneCircle { axis: [to[0].mul(nearness), to[1].mul(nearness), to[2].mul(nearness)], sine }
 }

@@ -2,48 +2,62 @@
 
 use glam::{DVec3, Vec3};
 use halflight_contract::{Derived, Error, Flow, Job, Meter, Result};
-use halflight_scenes::{Mesh, Scene, Shape};
+use halflight_scenes::{Carried, Deformation, Mesh, Palette, Scene, Shape};
 use rayon::prelude::*;
 
 use crate::SpheresOf;
 
-/// For each sphere of a set the vertices that carry its centre.
+/// For each sphere of a set what carries its centre.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Binding {
-    spheres: Vec<Carriers>,
+    spheres: Vec<Carrier>,
 }
 
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Carriers {
-    /// Vertices and weights, which sum to 1.
-    weights: Vec<(u32, f32)>,
-    /// What is left between the weighted vertices and the centre at rest: rounding.
-    rest: Vec3,
+#[derive(Clone, Debug, PartialEq)]
+enum Carrier {
+    /// Vertices and weights, which sum to 1, and what is left of the centre at rest: rounding.
+    Vertices { weights: Vec<(u32, f64)>, rest: Vec3 },
+    /// The same sum by bones.
+    Bones(Carried),
 }
 
-/// Weights below this share of the largest are left out.
-const SMALLEST: f64 = 1e-5;
 /// Angles and sines below this count as none.
 const NONE: f64 = 1e-9;
 
 impl Binding {
-    /// Binds centres to a mesh at rest.
-    pub fn new(mesh: &Mesh, centers: &[Vec3]) -> Self {
-        Binding { spheres: centers.par_iter().map(|center| carriers(mesh, *center)).collect() }
+    /// Binds centres to a mesh at rest, and to its skeleton where the deformation has one.
+    pub fn new(mesh: &Mesh, deformation: Option<&Deformation>, centers: &[Vec3]) -> Self {
+        let carrier = |center: &Vec3| {
+            let weights = weights(mesh, *center);
+            match deformation.and_then(|deformation| deformation.gather(&weights)) {
+                Some(carried) => Carrier::Bones(carried),
+                None => Carrier::Vertices { rest: *center - sum(&weights, &mesh.positions), weights },
+            }
+        };
+        Binding { spheres: centers.par_iter().map(carrier).collect() }
     }
 
-    /// The centres when the mesh's vertices are at `positions`.
-    pub fn centers<'b>(&'b self, positions: &'b [Vec3]) -> impl Iterator<Item = Vec3> + 'b {
-        self.spheres.iter().map(|sphere| sum(&sphere.weights, positions) + sphere.rest)
+    /// The centres when the mesh's vertices are at `positions` and its skeleton's bones as `palette` says.
+    pub fn centers(&self, positions: &[Vec3], palette: Option<&Palette>) -> impl Iterator<Item = Vec3> {
+        self.spheres.iter().map(move |carrier| match (carrier, palette) {
+            (Carrier::Vertices { weights, rest }, _) => sum(weights, positions) + *rest,
+            (Carrier::Bones(carried), Some(palette)) => carried.at(palette),
+            (Carrier::Bones(_), None) => unreachable!("what is bound to bones has bones"),
+        })
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.spheres.iter().map(|sphere| size_of_val(sphere.weights.as_slice()) + size_of::<Carriers>()).sum()
+        let held = |carrier: &Carrier| match carrier {
+            Carrier::Vertices { weights, .. } => size_of_val(weights.as_slice()),
+            Carrier::Bones(carried) => carried.bytes(),
+        };
+        self.spheres.iter().map(|carrier| held(carrier) + size_of::<Carrier>()).sum()
     }
 }
 
-fn carriers(mesh: &Mesh, center: Vec3) -> Carriers {
+/// Vertices and weights, which sum to 1, whose sum is a centre.
+fn weights(mesh: &Mesh, center: Vec3) -> Vec<(u32, f64)> {
     let mut weights = vec![0.0; mesh.positions.len()];
     if !mean_value_weights(mesh, center.as_dvec3(), &mut weights) {
         weights.fill(0.0);
@@ -51,15 +65,13 @@ fn carriers(mesh: &Mesh, center: Vec3) -> Carriers {
         let nearest = (0..mesh.positions.len() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         weights[nearest.unwrap_or(0) as usize] = 1.0;
     }
-    let largest = weights.iter().fold(0.0, |largest: f64, weight| largest.max(weight.abs()));
-    let kept: Vec<(u32, f64)> = (0..).zip(weights).filter(|(_, weight)| weight.abs() > SMALLEST * largest).collect();
-    let total: f64 = kept.iter().map(|(_, weight)| weight).sum();
-    let weights: Vec<(u32, f32)> = kept.into_iter().map(|(vertex, weight)| (vertex, (weight / total) as f32)).collect();
-    Carriers { rest: center - sum(&weights, &mesh.positions), weights }
+    let total: f64 = weights.iter().sum();
+    let all = (0..).zip(weights).filter(|(_, weight)| *weight != 0.0);
+    all.map(|(vertex, weight)| (vertex, weight / total)).collect()
 }
 
-fn sum(weights: &[(u32, f32)], positions: &[Vec3]) -> Vec3 {
-    let term = |(vertex, weight): &(u32, f32)| positions[*vertex as usize].as_dvec3() * f64::from(*weight);
+fn sum(weights: &[(u32, f64)], positions: &[Vec3]) -> Vec3 {
+    let term = |(vertex, weight): &(u32, f64)| positions[*vertex as usize].as_dvec3() * *weight;
     weights.iter().map(term).sum::<DVec3>().as_vec3()
 }
 
@@ -124,7 +136,9 @@ impl Derived for BindingOf {
     const REVISION: &'static str = env!("HALFLIGHT_PROXIES_REVISION");
 
     fn key(&self, scene: &Scene) -> String {
-        self.0.key(scene)
+        let object = scene.objects.get(self.0.object);
+        let deformation = object.and_then(|object| object.deformation.as_ref());
+        format!("{}-{}", self.0.key(scene), deformation.map_or(String::new(), |d| d.content().to_string()))
     }
 
     fn make(&self, job: &Job<'_, '_>, meter: &mut dyn Meter) -> Result<Binding> {
@@ -136,7 +150,8 @@ impl Derived for BindingOf {
         if meter.progress("sphere binding", 0, set.spheres.len() as u64) == Flow::Cancel {
             return Err(Error::Cancelled);
         }
-        Ok(Binding::new(mesh, &set.spheres.iter().map(|sphere| sphere.center).collect::<Vec<_>>()))
+        let deformation = object.deformation.as_deref();
+        Ok(Binding::new(mesh, deformation, &set.spheres.iter().map(|sphere| sphere.center).collect::<Vec<_>>()))
     }
 }
 
@@ -167,15 +182,15 @@ mod tests {
     #[test]
     fn centers_are_at_rest_with_the_mesh_and_follow_affine_maps() {
         let mesh = octahedron();
-        let binding = Binding::new(&mesh, &CENTERS);
+        let binding = Binding::new(&mesh, None, &CENTERS);
         let affine = |p: Vec3| {
             Vec3::new(1.3 * p.x + 0.2 * p.z, 0.7 * p.y - 0.4 * p.x, p.z + 0.3 * p.y) + Vec3::new(3.0, -1.0, 2.0)
         };
         let moved: Vec<Vec3> = mesh.positions.iter().map(|p| affine(*p)).collect();
-        for (at_rest, center) in binding.centers(&mesh.positions).zip(CENTERS) {
+        for (at_rest, center) in binding.centers(&mesh.positions, None).zip(CENTERS) {
             assert!(at_rest.distance(center) < 1e-6, "{at_rest} for {center}");
         }
-        for (carried, center) in binding.centers(&moved).zip(CENTERS) {
+        for (carried, center) in binding.centers(&moved, None).zip(CENTERS) {
             assert!(carried.distance(affine(center)) < 1e-5, "{carried} for {center}");
         }
     }
@@ -183,10 +198,10 @@ mod tests {
     #[test]
     fn a_corner_pulls_its_side_most() {
         let mesh = octahedron();
-        let binding = Binding::new(&mesh, &[Vec3::X * 0.6, -Vec3::X * 0.6]);
+        let binding = Binding::new(&mesh, None, &[Vec3::X * 0.6, -Vec3::X * 0.6]);
         let mut moved = mesh.positions.clone();
         moved[0] += Vec3::X;
-        let carried: Vec<f32> = binding.centers(&moved).zip([0.6, -0.6]).map(|(p, x)| p.x - x).collect();
+        let carried: Vec<f32> = binding.centers(&moved, None).zip([0.6, -0.6]).map(|(p, x)| p.x - x).collect();
         assert!(carried[0] > 3.0 * carried[1] && carried[1] > 0.0, "{carried:?}");
     }
 
@@ -194,8 +209,8 @@ mod tests {
     fn what_open_surfaces_do_not_hold_follows_the_nearest_vertex() {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
         let mesh = Mesh { normals: vec![Vec3::Z; 3], positions, uvs: Vec::new(), triangles: vec![[0, 1, 2]] };
-        let binding = Binding::new(&mesh, &[Vec3::new(2.0, 0.0, 0.0)]);
+        let binding = Binding::new(&mesh, None, &[Vec3::new(2.0, 0.0, 0.0)]);
         let moved = [Vec3::ZERO, Vec3::X + Vec3::Z, Vec3::Y];
-        assert_eq!(binding.centers(&moved).next(), Some(Vec3::new(2.0, 0.0, 1.0)));
+        assert_eq!(binding.centers(&moved, None).next(), Some(Vec3::new(2.0, 0.0, 1.0)));
     }
 }

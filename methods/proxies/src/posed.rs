@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use halflight_scenes::{Frame, PosedObject, Scene, Shape, Sphere};
+use halflight_scenes::{Frame, Object, PosedObject, Scene, Shape, Sphere};
 
 use crate::{Binding, SphereSet};
 
@@ -21,13 +21,14 @@ impl Proxy {
         size_of_val(self.set.spheres.as_slice()) + self.binding.as_ref().map_or(0, |binding| binding.bytes())
     }
 
-    /// The spheres where the object is.
-    fn posed(&self, object: &PosedObject) -> Vec<Sphere> {
+    /// The spheres of an object where it is at a time.
+    fn posed(&self, of: &Object, object: &PosedObject, time: f32) -> Vec<Sphere> {
         let carried = |center| object.pose.point(center);
         let spheres = self.set.spheres.iter();
         match (&self.binding, &*object.shape) {
             (Some(binding), Shape::Mesh(mesh)) => {
-                let pairs = spheres.zip(binding.centers(&mesh.positions));
+                let palette = of.deformation.as_ref().and_then(|deformation| deformation.palette(time));
+                let pairs = spheres.zip(binding.centers(&mesh.positions, palette.as_ref()));
                 pairs.map(|(sphere, center)| Sphere { center: carried(center), radius: sphere.radius }).collect()
             }
             _ => spheres.map(|sphere| Sphere { center: carried(sphere.center), radius: sphere.radius }).collect(),
@@ -50,7 +51,7 @@ pub fn blockers(scene: &Scene, frame: &Frame, proxies: &[Option<Proxy>]) -> Pose
     let mut posed = PosedSpheres::default();
     for entry in frame.objects.iter().filter(|entry| scene.objects[entry.object].casts) {
         let Some(Some(proxy)) = proxies.get(entry.object) else { continue };
-        posed.spheres.extend(proxy.posed(entry));
+        posed.spheres.extend(proxy.posed(&scene.objects[entry.object], entry, frame.time));
         posed.object.resize(posed.spheres.len(), entry.object as u32);
     }
     posed

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3};
 use halflight_contract::{Backend, Cache, Derived, Error, Flow, Job, Meter, NoMeter, Params};
-use halflight_proxies::{MAX_COUNT, Proxy, SphereSet, SpheresOf, blockers, proxies};
+use halflight_proxies::{Binding, MAX_COUNT, Proxy, SphereSet, SpheresOf, blockers, proxies};
 use halflight_scenes::{Bodies, HeightField, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sphere};
 use shapes::{icosphere, square, torus};
 
@@ -190,4 +190,24 @@ fn a_mesh_without_triangles_has_a_set() {
     scene.objects[0].shape = Arc::new(Shape::Mesh(Mesh { positions: icosphere(0).positions, ..Mesh::default() }));
     scene.objects[0].content = scene.objects[0].shape.content();
     assert!(derive(&scene, &Cache::in_memory(), &mut NoMeter).is_ok_and(|sets| sets[0].is_some()));
+}
+
+#[test]
+fn spheres_bound_to_bones_are_where_the_vertices_would_carry_them() {
+    let scene = halflight_scenes::find("walker").expect("a shipped scene");
+    let (object, rest) = (&scene.objects[1], &scene.frame(0));
+    let Shape::Mesh(mesh) = &*object.shape else { panic!("a mesh") };
+    let centers: Vec<Vec3> = mesh.positions.iter().step_by(1999).map(|p| *p - Vec3::new(0.0, 0.0, 0.02)).collect();
+    let deformation = object.deformation.as_deref().expect("it walks");
+    let (by_bones, by_vertices) = (Binding::new(mesh, Some(deformation), &centers), Binding::new(mesh, None, &centers));
+    assert!(by_bones.bytes() < by_vertices.bytes() / 20, "{} of {}", by_bones.bytes(), by_vertices.bytes());
+    let mut farthest = 0f32;
+    for frame in [0, 17, 59].map(|index| scene.frame(index)) {
+        let Shape::Mesh(posed) = &*frame.objects[1].shape else { panic!("a mesh") };
+        let palette = deformation.palette(frame.time);
+        let pairs = by_bones.centers(&[], palette.as_ref()).zip(by_vertices.centers(&posed.positions, None));
+        farthest = pairs.map(|(a, b)| a.distance(b)).fold(farthest, f32::max);
+    }
+    assert!(farthest < 1e-4, "{farthest}");
+    assert!(scene.frame(59).objects[1].content != rest.objects[1].content);
 }

@@ -116,7 +116,8 @@ mod tests {
         let mut random = Pcg(42);
         let mut uniform = || (f64::from(random.next()) + 0.5) / 2f64.powi(32);
         // With medians 0, ln 2 and 0: flat, skewed as times are, and without a variance.
-        let distributions: [(fn(f64) -> f64, f64); 3] = [
+        type Distribution = (fn(f64) -> f64, f64);
+        let distributions: [Distribution; 3] = [
             (|u| u - 0.5, 0.0),
             (|u| -u.ln(), std::f64::consts::LN_2),
             (|u| (std::f64::consts::PI * (u - 0.5)).tan(), 0.0),

@@ -11,6 +11,7 @@ pub(crate) use clip::{Clip, Interpolation, Keys, Playback, Track};
 pub use procedural::{Form, Procedural};
 pub(crate) use skeleton::{Joint, Skeleton, Transform};
 pub(crate) use skin::{Bone, Influences, Skin, strongest};
+pub use skin::{Carried, Palette};
 
 use crate::content::Collector;
 use crate::{Content, Mesh};
@@ -44,6 +45,22 @@ impl Deformation {
     /// Hash of all that decides the deformation.
     pub fn content(&self) -> Content {
         self.content
+    }
+
+    /// A weighted sum of the mesh's vertices as a point of its skeleton; none of a mesh without one.
+    pub fn gather(&self, weights: &[(u32, f64)]) -> Option<Carried> {
+        match &self.kind {
+            Kind::Skin(skin) => Some(skin.gather(weights)),
+            Kind::Procedural(_) => None,
+        }
+    }
+
+    /// What carries points of the skeleton at a time in seconds; none of a mesh without one.
+    pub fn palette(&self, time: f32) -> Option<Palette> {
+        match &self.kind {
+            Kind::Skin(skin) => Some(Palette(skin.palette(&skin.skeleton.pose_at(f64::from(time)), self.placed))),
+            Kind::Procedural(_) => None,
+        }
     }
 
     /// The mesh at a time in seconds, made of the one at rest.

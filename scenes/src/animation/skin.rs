@@ -42,10 +42,29 @@ impl Skin {
     /// Positions and unit normals under the skeleton's joints ([`Skeleton::pose_at`]); `placed` leads from the skeleton's space
     /// to the scene's.
     pub(crate) fn posed(&self, joints: &[DAffine3], placed: DAffine3) -> (Vec<Vec3>, Vec<Vec3>) {
-        let palette: Vec<DAffine3> =
-            self.bones.iter().map(|bone| placed * joints[bone.joint] * bone.inverse_bind).collect();
+        let palette = self.palette(joints, placed);
         let vertices = self.positions.iter().zip(&self.normals).zip(&self.influences);
         vertices.map(|((position, normal), influences)| vertex(&palette, influences, *position, *normal)).unzip()
+    }
+
+    /// What carries bound points of each bone to the scene.
+    pub(crate) fn palette(&self, joints: &[DAffine3], placed: DAffine3) -> Vec<DAffine3> {
+        self.bones.iter().map(|bone| placed * joints[bone.joint] * bone.inverse_bind).collect()
+    }
+
+    /// A weighted sum of vertices, which weighs each bone by all that it carries of them.
+    pub(crate) fn gather(&self, weights: &[(u32, f64)]) -> Carried {
+        let mut bones = vec![Share::default(); self.bones.len()];
+        for (vertex, weight) in weights {
+            let position = self.positions[*vertex as usize].as_dvec3();
+            for (bone, influence) in self.influences[*vertex as usize] {
+                let (share, weight) = (&mut bones[usize::from(bone)], *weight * f64::from(influence));
+                share.point += position * weight;
+                share.weight += weight;
+            }
+        }
+        let all = (0..).zip(bones).filter(|(_, share)| *share != Share::default());
+        Carried(all.collect())
     }
 
     pub(crate) fn collect(&self, into: Collector) -> Collector {
@@ -61,6 +80,39 @@ impl Skin {
             doubles(all, &joint.rest.affine().to_cols_array())
         });
         all.bytes(format!("{:?} {:?}", skeleton.clip, skeleton.playback).as_bytes())
+    }
+}
+
+/// A point that follows a skin: a weighted sum of its vertices, as few terms as there are bones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Carried(Vec<(u16, Share)>);
+
+/// A bone's part in a weighted sum of vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Share {
+    /// Sum of bound positions, weighted.
+    point: DVec3,
+    /// Sum of the weights.
+    weight: f64,
+}
+
+/// What carries points of each bone to the scene, at one time.
+#[derive(Clone, Debug)]
+pub struct Palette(pub(super) Vec<DAffine3>);
+
+impl Carried {
+    /// Where the point is.
+    pub fn at(&self, palette: &Palette) -> Vec3 {
+        let term = |(bone, share): &(u16, Share)| {
+            let carrier = &palette.0[usize::from(*bone)];
+            carrier.matrix3 * share.point + carrier.translation * share.weight
+        };
+        self.0.iter().map(term).sum::<DVec3>().as_vec3()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.0.as_slice())
     }
 }
 

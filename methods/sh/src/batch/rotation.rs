@@ -53,15 +53,18 @@ impl<T: Real> Task<T> for RotateEach<'_, T> {
         let vectors = self.input.chunks_exact(size).zip(self.out.chunks_exact_mut(size));
         for (matrix, (input, out)) in self.matrices.iter().zip(vectors) {
             for part in 0..LANES / V::WIDTH {
-                let [alpha, beta, gamma] =
-                    angles(&matrix.each_ref().map(|row| row.each_ref().map(|b| V::load(&b.0, part))));
-                value.iter_mut().zip(input).for_each(|(value, block)| *value = V::load(&block.0, part));
+                let [alpha, beta, gamma] = angles::<V>(matrix, part);
+                for (value, block) in value.iter_mut().zip(input) {
+                    *value = V::load(&block.0, part);
+                }
                 rotate_z(self.order, gamma, value);
                 multiply(&forward[..size], value, turned);
                 rotate_z(self.order, beta, turned);
                 multiply(&backward[..size], turned, value);
                 rotate_z(self.order, alpha, value);
-                out.iter_mut().zip(&*value).for_each(|(block, value)| value.store(&mut block.0, part));
+                for (block, value) in out.iter_mut().zip(&*value) {
+                    value.store(&mut block.0, part);
+                }
             }
         }
     }
@@ -69,15 +72,13 @@ impl<T: Real> Task<T> for RotateEach<'_, T> {
 
 /// Cosines and sines of α, β and γ, see [`crate::rotation`].
 #[inline(always)]
-fn angles<V: Lanes>(m: &[[V; 3]; 3]) -> [[V; 2]; 3] {
-    let (zero, one) = (V::constant(0.0), V::constant(1.0));
-    let unit = |cos: V, sin: V| {
-        let squares = sin.mul_add(sin, cos.mul(cos));
-        let nearness = one.div(squares.sqrt());
-        // shorter ones are none to rounding
-        let least = V::constant(1e-30);
-        [least.where_less(squares, cos.mul(nearness), one), least.where_less(squares, sin.mul(nearness), zero)]
-    };
+fn angles<V: Lanes>(matrix: &[[Block<V::Scalar>; 3]; 3], part: usize) -> [[V; 2]; 3] {
+    let mut m = [[V::constant(0.0); 3]; 3];
+    for (row, blocks) in m.iter_mut().zip(matrix) {
+        for (entry, block) in row.iter_mut().zip(blocks) {
+            *entry = V::load(&block.0, part);
+        }
+    }
     let alpha = unit(m[0][2], m[1][2]);
     let [cos, sin] = alpha;
     let beta = unit(m[2][2], sin.mul_add(m[1][2], cos.mul(m[0][2])));
@@ -85,10 +86,23 @@ fn angles<V: Lanes>(m: &[[V; 3]; 3]) -> [[V; 2]; 3] {
     [alpha, beta, gamma]
 }
 
+/// Scaled to length 1; `[1, 0]` if shorter than anything that matters.
+#[inline(always)]
+fn unit<V: Lanes>(cos: V, sin: V) -> [V; 2] {
+    let (zero, one, least) = (V::constant(0.0), V::constant(1.0), V::constant(1e-30));
+    let squares = sin.mul_add(sin, cos.mul(cos));
+    let nearness = one.div(squares.sqrt());
+    [least.where_less(squares, cos.mul(nearness), one), least.where_less(squares, sin.mul(nearness), zero)]
+}
+
 #[inline(always)]
 fn multiply<V: Lanes>(rows: &[Vec<(usize, f64)>], x: &[V], out: &mut [V]) {
     for (row, out) in rows.iter().zip(out) {
-        *out = row.iter().fold(V::constant(0.0), |sum, &(column, value)| V::constant(value).mul_add(x[column], sum));
+        let mut sum = V::constant(0.0);
+        for &(column, value) in row {
+            sum = V::constant(value).mul_add(x[column], sum);
+        }
+        *out = sum;
     }
 }
 

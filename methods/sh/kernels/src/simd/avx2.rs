@@ -155,20 +155,26 @@ macro_rules! transposes {
     ($wrap:ident, $t:ty, $width:literal, $loadu:ident, $storeu:ident, $transpose:ident) => {
         #[inline(always)]
         fn transpose_in(from: &[$t], stride: usize, to: &mut [Block<$t>], part: usize) {
-            let rows: [Self; $width] = std::array::from_fn(|lane| {
-                let row = &from[lane * stride..][..$width];
+            let mut rows = [Self::splat(0.0).0; $width];
+            for (lane, row) in rows.iter_mut().enumerate() {
+                let from = &from[lane * stride..][..$width];
                 // SAFETY: the slice holds as many lanes as are read.
-                $wrap(unsafe { $loadu(row.as_ptr()) })
-            });
+                *row = unsafe { $loadu(from.as_ptr()) };
+            }
             // SAFETY: as in `splat`.
-            let columns = unsafe { $transpose(rows.map(|row| row.0)) };
-            to[..$width].iter_mut().zip(columns).for_each(|(block, column)| $wrap(column).store(&mut block.0, part));
+            let columns = unsafe { $transpose(rows) };
+            for (block, column) in to[..$width].iter_mut().zip(columns) {
+                $wrap(column).store(&mut block.0, part);
+            }
         }
         #[inline(always)]
         fn transpose_out(from: &[Block<$t>], part: usize, to: &mut [$t], stride: usize) {
-            let columns: [Self; $width] = std::array::from_fn(|i| Self::load(&from[i].0, part));
+            let mut columns = [Self::splat(0.0).0; $width];
+            for (column, block) in columns.iter_mut().zip(&from[..$width]) {
+                *column = Self::load(&block.0, part).0;
+            }
             // SAFETY: as in `splat`.
-            let rows = unsafe { $transpose(columns.map(|column| column.0)) };
+            let rows = unsafe { $transpose(columns) };
             for (lane, row) in rows.into_iter().enumerate() {
                 let to = &mut to[lane * stride..][..$width];
                 // SAFETY: the slice holds as many lanes as are written.

@@ -107,35 +107,34 @@ macro_rules! arithmetic {
         #[inline(always)]
         fn transpose_in(from: &[$t], stride: usize, to: &mut [Block<$t>], part: usize) {
             // Row `i` holds vector `i` in its low half and vector `i + TILE` in its high one.
-            let rows: [Self; $width / 2] = std::array::from_fn(|lane| {
-                let half = |lane: usize| {
-                    let row = &from[lane * stride..][..Self::TILE];
-                    // SAFETY: the slice holds as many lanes as are read.
-                    unsafe { $half_load(row.as_ptr()) }
-                };
-                // SAFETY: as in `splat`.
-                $wrap(unsafe { $insert::<1>($low(half(lane)), half(lane + Self::TILE)) })
-            });
+            let mut rows = [Self::splat(0.0).0; $width / 2];
+            for (lane, row) in rows.iter_mut().enumerate() {
+                let low = &from[lane * stride..][..Self::TILE];
+                let high = &from[(lane + Self::TILE) * stride..][..Self::TILE];
+                // SAFETY: the slices hold as many lanes as are read.
+                *row = unsafe { $insert::<1>($low($half_load(low.as_ptr())), $half_load(high.as_ptr())) };
+            }
             // SAFETY: as in `splat`.
-            let columns = unsafe { $transpose(rows.map(|row| row.0)) };
-            to[..Self::TILE]
-                .iter_mut()
-                .zip(columns)
-                .for_each(|(block, column)| $wrap(column).store(&mut block.0, part));
+            let columns = unsafe { $transpose(rows) };
+            for (block, column) in to[..Self::TILE].iter_mut().zip(columns) {
+                $wrap(column).store(&mut block.0, part);
+            }
         }
         #[inline(always)]
         fn transpose_out(from: &[Block<$t>], part: usize, to: &mut [$t], stride: usize) {
-            let columns: [Self; $width / 2] = std::array::from_fn(|i| Self::load(&from[i].0, part));
+            let mut columns = [Self::splat(0.0).0; $width / 2];
+            for (column, block) in columns.iter_mut().zip(&from[..Self::TILE]) {
+                *column = Self::load(&block.0, part).0;
+            }
             // SAFETY: as in `splat`.
-            let rows = unsafe { $transpose(columns.map(|column| column.0)) };
+            let rows = unsafe { $transpose(columns) };
             for (lane, row) in rows.into_iter().enumerate() {
-                // SAFETY: as in `splat`.
-                let halves = unsafe { [$extract::<0>(row), $extract::<1>(row)] };
-                for (half, value) in halves.into_iter().enumerate() {
-                    let to = &mut to[(lane + half * Self::TILE) * stride..][..Self::TILE];
-                    // SAFETY: the slice holds as many lanes as are written.
-                    unsafe { $half_store(to.as_mut_ptr(), value) }
-                }
+                let low = &mut to[lane * stride..][..Self::TILE];
+                // SAFETY: the slice holds as many lanes as are written.
+                unsafe { $half_store(low.as_mut_ptr(), $extract::<0>(row)) }
+                let high = &mut to[(lane + Self::TILE) * stride..][..Self::TILE];
+                // SAFETY: as above.
+                unsafe { $half_store(high.as_mut_ptr(), $extract::<1>(row)) }
             }
         }
         #[inline(always)]

@@ -145,7 +145,8 @@ pub trait Lanes: Copy + 'static {
 
 /// A computation that is generic over the instruction set.
 pub trait Task<T: Real> {
-    /// Runs on lanes of a type. Implementations are `#[inline(always)]`, so that they are compiled for its instructions.
+    /// Runs on lanes of a type. Implementations are `#[inline(always)]`, so that they are compiled for its instructions, and
+    /// do without closures in what is hot: one that the compiler does not inline is not.
     fn run<V: Lanes<Scalar = T>>(self);
 }
 
