@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use halflight_sh::{
-    Batch, BatchExp, Block, CircleTable, ExpWorkspace, LANES, Real, Rotation, Simd, SquaringRule, Work, blocks_for,
-    circle_log, coefficients, evaluate, gamma, log_eigen, pack, rotate_z, rotate_zonal,
+    Batch, BatchExp, BatchLog, Block, CircleTable, ExpWorkspace, LANES, Real, Rotation, Simd, SquaringRule, Work,
+    blocks_for, circle_log, coefficients, evaluate, gamma, log_eigen, pack, rotate_z, rotate_zonal,
 };
 
 const VECTORS: usize = 3 * LANES;
@@ -118,6 +118,10 @@ fn many<T: Real>(criterion: &mut Criterion, batch: Batch) {
     run("exp PS*-5", &mut || exp.scaled_series(5, rule, black_box(&f), &mut out, &mut work));
     run("exp OL", &mut || exp.optimal_linear(black_box(&f), &mut out, &mut work));
     run("exp HYB", &mut || exp.hybrid(rule, black_box(&f), &mut out, &mut work));
+    let (mut log, mut open) =
+        (BatchLog::new(batch), f.iter().map(|_| Block::splat(T::from_f64(0.02))).collect::<Vec<_>>());
+    open.iter_mut().step_by(coefficients(order)).for_each(|mean| *mean = Block::splat(T::from_f64(3.5)));
+    run("eigen log", &mut || log.eigen(black_box(&open), &mut out));
 }
 
 fn operations(criterion: &mut Criterion) {

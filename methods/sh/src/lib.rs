@@ -67,7 +67,7 @@ mod table;
 mod zonal;
 
 pub use basis::evaluate;
-pub use batch::{Batch, BatchExp, product, square};
+pub use batch::{Batch, BatchExp, BatchLog, product, square};
 pub use block::{blocks_for, pack, unpack};
 pub use circle::{CircleTable, circle_log, circle_visibility};
 pub use eigen::SymmetricEigen;

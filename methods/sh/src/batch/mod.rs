@@ -5,10 +5,12 @@ mod circles;
 mod eigen;
 mod exp;
 mod linear;
+mod log;
 mod rotation;
 mod series;
 
 pub use exp::BatchExp;
+pub use log::BatchLog;
 
 use halflight_sh_kernels::{Block, Real, Simd};
 

@@ -6,5 +6,6 @@ mod common;
 mod exponentials;
 mod guard;
 mod lanes;
+mod logs;
 mod products;
 mod rotations;
