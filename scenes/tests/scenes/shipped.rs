@@ -12,9 +12,13 @@ fn load(name: &str) -> Scene {
 fn all_load_with_purpose_and_valid_receivers() {
     let names: Vec<String> = shipped().into_iter().map(|(name, ..)| name).collect();
     let expected = [
+        "battle",
+        "boxers",
         "bunny-studio",
+        "deformers",
         "dino-elephant-courtyard",
         "furnace",
+        "herd",
         "interior",
         "jacksboro-sunrise",
         "lamp",
@@ -23,6 +27,8 @@ fn all_load_with_purpose_and_valid_receivers() {
         "spheres-60",
         "teapot-sunset",
         "trench",
+        "walker",
+        "waves",
     ];
     assert_eq!(names, expected);
     for (name, path, purpose) in shipped() {
@@ -114,9 +120,27 @@ fn spheres_overlap_and_lie_above_the_ground() {
 }
 
 #[test]
+fn characters_walk_on_their_ground_and_keep_their_size() {
+    for (name, figures) in [("walker", 1), ("boxers", 2), ("battle", 4)] {
+        let scene = load(name);
+        for frame in [0, scene.frame_count / 2, scene.frame_count - 1].map(|index| scene.frame(index)) {
+            for posed in frame.objects.iter().filter(|posed| scene.objects[posed.object].deformation.is_some()) {
+                let shape = posed.in_place();
+                let Shape::Mesh(mesh) = &*shape else { panic!("{name}") };
+                let (low, high) =
+                    mesh.positions.iter().fold((f32::MAX, f32::MIN), |(low, high), p| (low.min(p.z), high.max(p.z)));
+                assert!((-0.1..=0.1).contains(&low), "{name} at {} s: from {low}", frame.time);
+                assert!((1.2..=2.0).contains(&high), "{name} at {} s: to {high}", frame.time);
+            }
+        }
+        assert_eq!(scene.facts().deforming, figures);
+    }
+}
+
+#[test]
 fn unknown_names_are_told_the_known_ones() {
     let error = find("bunny-studios").unwrap_err().to_string();
-    assert!(error.contains("bunny-studios") && error.contains("bunny-studio, dino-elephant-courtyard"), "{error}");
+    assert!(error.contains("bunny-studios") && error.contains("boxers, bunny-studio, deformers"), "{error}");
     let error = find("missing/scene.toml").unwrap_err().to_string();
     assert!(error.starts_with("missing/scene.toml: expected a readable file"), "{error}");
 }
