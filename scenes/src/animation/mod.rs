@@ -87,7 +87,10 @@ impl Deformation {
 fn turned(linear: &DMat3, normal: Vec3) -> Vec3 {
     let DMat3 { x_axis, y_axis, z_axis } = *linear;
     let cofactors = DMat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
-    (cofactors * normal.as_dvec3()).try_normalize().map_or(normal, |unit| unit.as_vec3())
+    (cofactors * normal.as_dvec3())
+        .try_normalize()
+        .filter(|unit| unit.is_finite())
+        .map_or(normal, |unit| unit.as_vec3())
 }
 
 #[cfg(test)]

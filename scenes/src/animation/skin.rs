@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::{Skeleton, turned};
+use crate::check::FAR;
 use crate::content::Collector;
 
 /// A joint that carries vertices.
@@ -107,7 +108,11 @@ impl Carried {
             let carrier = &palette.0[usize::from(*bone)];
             carrier.matrix3 * share.point + carrier.translation * share.weight
         };
-        self.0.iter().map(term).sum::<DVec3>().as_vec3()
+        let posed = self.0.iter().map(term).sum::<DVec3>().as_vec3();
+        match posed.is_finite() && posed.abs().max_element() <= FAR {
+            true => posed,
+            false => self.0.iter().map(|(_, share)| share.point).sum::<DVec3>().as_vec3(),
+        }
     }
 
     /// Bytes held.
@@ -124,7 +129,11 @@ fn vertex(palette: &[DAffine3], influences: &Influences, position: Vec3, normal:
         blend.translation += matrix.translation * weight;
     }
     let posed = blend.transform_point3(position.as_dvec3()).as_vec3();
-    (posed, turned(&blend.matrix3, normal))
+    // Keys may move a joint beyond all bounds; what it carries stays where it is bound.
+    match posed.abs().max_element() <= FAR && posed.is_finite() {
+        true => (posed, turned(&blend.matrix3, normal)),
+        false => (position, normal),
+    }
 }
 
 /// The four strongest of some influences, weights scaled to a sum of 1; the first bone alone if there are none.

@@ -12,3 +12,4 @@ mod readme;
 mod receivers;
 mod resolution;
 mod shipped;
+mod truncations;

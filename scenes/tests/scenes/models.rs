@@ -66,7 +66,7 @@ const SIDES: usize = 7;
 const RINGS: usize = 5;
 
 /// A tube on two joints under a turned and scaled root, and a flag that the second joint carries.
-fn model() -> Vec<u8> {
+pub(crate) fn model() -> Vec<u8> {
     let mut file = Builder::default();
     let (mut points, mut joints, mut weights, mut corners) = (Vec::new(), Vec::new(), Vec::new(), Vec::<u16>::new());
     for (ring, side) in (0..RINGS).flat_map(|ring| (0..SIDES).map(move |side| (ring, side))) {
@@ -123,7 +123,7 @@ fn model() -> Vec<u8> {
     ))
 }
 
-fn scene(entry: &str) -> String {
+pub(crate) fn scene(entry: &str) -> String {
     format!(
         "purpose = \"A model\"\n[receivers.grid]\ncenter = [0.0, 0.0, 0.0]\nsize = [1.0, 1.0]\nresolution = [2, 2]\n\
          [[objects]]\nname = \"model\"\ngltf = {{ file = \"model.glb\", {entry} }}\n[[lights]]\n\

@@ -2,12 +2,13 @@
 
 use std::sync::LazyLock;
 
-use halflight_scenes::Rgb;
+use halflight_scenes::{Rgb, Shape};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
 use crate::folder::{Folder, SCENE, cube_ply, with};
 use crate::lights::{write_exr, write_hdr};
+use crate::models;
 
 /// Bytes replaced at relative positions, and the fraction of the file that is kept.
 type Damage = (Vec<(f64, u8)>, f64);
@@ -46,6 +47,26 @@ fn check(file: &str, bytes: &[u8], scene: &str, damage: &Damage) {
     folder.write(file, apply(bytes, damage));
     load(&folder, scene);
 }
+
+/// What loads is finite in its pose too.
+fn load_posed(folder: &Folder, scene: &str) {
+    match folder.load(scene) {
+        Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+        Ok(scene) => {
+            for posed in &scene.frame(scene.frame_count - 1).objects {
+                let shape = posed.in_place();
+                let Shape::Mesh(mesh) = &*shape else { panic!("a mesh") };
+                assert!(mesh.positions.iter().chain(&mesh.normals).all(|v| v.is_finite()));
+            }
+        }
+    }
+}
+
+const ARM: &str = "HIERARCHY\nROOT Upper arm\n{\nOFFSET 0 0 1\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation \
+                   Yrotation\nJOINT Lower\n{\nOFFSET 1 0 0\nCHANNELS 1 Zrotation\nEnd Site\n{\nOFFSET 2 0 0\n}\n}\n}\nMOTION\n\
+                   Frames: 2\nFrame Time: 0.5\n0 0 0 0 0 0 0\n1 2 3 90 90 0 90\n";
+
+static MODEL: LazyLock<Vec<u8>> = LazyLock::new(models::model);
 
 static PICTURES: LazyLock<[(&str, Vec<u8>); 2]> = LazyLock::new(|| {
     let exr = picture(|folder| write_exr(folder, "map", |x, y| Rgb::new(x as f32, y as f32, 1.0)));
@@ -100,6 +121,21 @@ proptest! {
         let text = "x,y,z,nx,ny,nz\n0,1,2,0,0,1\n3,4,5,1,0,0\n";
         let scene = with(&[("[receivers]\ncamera = {}", "[receivers]\npoints = { file = \"p.csv\" }")]);
         check("p.csv", text.as_bytes(), &scene, &damage);
+    }
+
+    #[test]
+    fn models(damage in damage()) {
+        let folder = Folder::new();
+        folder.write("model.glb", apply(&MODEL, &damage));
+        load_posed(&folder, &models::scene("clip = \"wave\""));
+    }
+
+    #[test]
+    fn captures(damage in damage()) {
+        let folder = Folder::new();
+        folder.write("arm.bvh", apply(ARM.as_bytes(), &damage));
+        let character = "albedo = [0.5, 0.5, 0.5]\ncharacter = { file = \"arm.bvh\", resolution = 16 }";
+        load_posed(&folder, &models::scene("").replace("gltf = { file = \"model.glb\",  }", character));
     }
 
     #[test]
