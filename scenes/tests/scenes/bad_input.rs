@@ -19,6 +19,21 @@ fn check(replacements: &[(&str, &str)], field: &str, expected: &str) {
 }
 
 #[test]
+fn paths_that_lead_out_of_the_folder() {
+    let outside = Folder::new();
+    let absolute = outside.path("cube.ply").display().to_string();
+    for path in ["../cube.ply", "./../cube.ply", "models/../../cube.ply", "", &absolute] {
+        check(&[("cube.ply", path)], "objects[1].mesh.file", "a path inside the scene's folder, without `..`");
+    }
+    let folder = Folder::new();
+    std::fs::remove_file(folder.path("cube.ply")).unwrap();
+    std::os::unix::fs::symlink(outside.path("cube.ply"), folder.path("cube.ply")).unwrap();
+    let error = complaint(&folder, SCENE, "scene.toml");
+    assert!(error.contains("objects[1].mesh.file: expected a path inside"), "{error}");
+    assert!(Folder::new().load(&with(&[("cube.ply", "./cube.ply")])).is_ok());
+}
+
+#[test]
 fn more_receivers_than_memory_would_hold() {
     let grid = |side| format!("grid = {{ center = [0, 0, 0], size = [1, 1], resolution = [{side}, {side}] }}");
     check(&[("camera = {}", &grid(16384))], "receivers: ", "at most 33554432 over all frames");
