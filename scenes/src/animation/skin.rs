@@ -171,6 +171,17 @@ mod tests {
     }
 
     #[test]
+    fn beyond_all_bounds_things_stay_where_they_are_bound() {
+        for scale in [1e30, 1e300, f64::INFINITY, f64::NAN] {
+            let matrix = DAffine3::from_scale(DVec3::splat(scale));
+            let four = strongest(Vec::new());
+            assert_eq!(vertex(&[matrix], &four, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z), "{scale}");
+            let carried = Carried(vec![(0, Share { point: DVec3::Y, weight: 1.0 })]);
+            assert_eq!(carried.at(&Palette(vec![matrix])), Vec3::Y, "{scale}");
+        }
+    }
+
+    #[test]
     fn the_four_strongest_are_kept() {
         let four = strongest(vec![(7, 0.1), (1, 0.4), (2, 0.0), (3, 0.2), (4, 0.2), (5, 0.1), (6, 0.05)]);
         assert_eq!(four.map(|(bone, _)| bone), [1, 3, 4, 5]);
