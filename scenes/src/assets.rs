@@ -12,6 +12,7 @@ mod points;
 mod proper;
 mod text;
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Component, Path, PathBuf};
 
 use glam::Vec3;
@@ -98,7 +99,12 @@ impl Asset {
     /// The meshes of a glTF file.
     pub(crate) fn gltf(&self, wanted: &Wanted, notices: &mut Vec<String>) -> Result<Vec<Part>, SceneError> {
         match self.extension().as_str() {
-            "gltf" | "glb" => gltf::read(self, wanted, notices),
+            // The crate's validation lets some enumerations pass that it later unwraps.
+            "gltf" | "glb" => {
+                catch_unwind(AssertUnwindSafe(|| gltf::read(self, wanted, notices))).unwrap_or_else(|_| {
+                    Err(self.check().malformed("glTF", "expected names and numbers that glTF 2.0 knows"))
+                })
+            }
             other => Err(self.check().invalid("extension", "a model as .gltf or .glb", other)),
         }
     }
