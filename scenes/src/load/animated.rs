@@ -111,7 +111,7 @@ impl Source<'_> {
             name,
             albedo: if plain { object.albedo } else { part.albedo },
             texture: if plain { None } else { part.texture },
-            emission: object.emission + part.emission,
+            emission: part.emission.plus(object.emission.of(0)),
             deformation: part.animated.then(|| Arc::new(deformation)),
             ..object
         })

@@ -13,7 +13,7 @@ use gltf::{Document, Gltf, Node};
 use crate::animation::{Playback, Skin};
 use crate::assets::Asset;
 use crate::check::Checker;
-use crate::{Mesh, Rgb, SceneError, Texture};
+use crate::{Emission, Mesh, Rgb, SceneError, Texture};
 
 use bytes::Buffers;
 
@@ -26,7 +26,7 @@ pub(crate) struct Part {
     pub(crate) animated: bool,
     pub(crate) albedo: Rgb,
     pub(crate) texture: Option<Texture>,
-    pub(crate) emission: Rgb,
+    pub(crate) emission: Emission,
 }
 
 /// What is taken of a file.
