@@ -142,6 +142,14 @@ impl Asset {
         }
     }
 
+    /// A picture of radiance or, as PNG and JPEG, of colours made linear.
+    pub(crate) fn colours(&self) -> Result<Image, SceneError> {
+        match self.extension().as_str() {
+            "png" | "jpg" | "jpeg" => picture::colours(self.check(), "picture", &self.bytes),
+            _ => self.image(),
+        }
+    }
+
     /// A picture of heights.
     pub(crate) fn height_map(&self) -> Result<HeightMap, SceneError> {
         let check = self.check();

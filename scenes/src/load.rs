@@ -2,6 +2,7 @@
 
 mod animated;
 mod body;
+mod emission;
 mod heights;
 mod lights;
 pub(crate) mod objects;

@@ -22,9 +22,7 @@ fn a_model_is_imported_run_exported_and_imported_again() {
     assert!(told.contains("away/wedge.glb"), "{told}");
     bench.well("import away/wedge.glb --out second");
     // The same content: nothing is left to run, whatever the folder.
-    let told = bench.well(
-        "run --scene second/wedge.toml --method shexp/hyb --set order=2 --reference truth --out out",
-    );
+    let told = bench.well("run --scene second/wedge.toml --method shexp/hyb --set order=2 --reference truth --out out");
     assert!(told.contains("0 cells run, 1 cached"), "{told}");
 }
 

@@ -11,7 +11,9 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 use serde_json::{Value, json};
 
 use crate::assets::extras::{self, Afar};
-use crate::{Camera, Content, KeyLight, Light, Mesh, Object, Scene, SceneError, Shape, Sky, Sphere, solids};
+use crate::{
+    Camera, Content, Emission, Frame, KeyLight, Light, Mesh, Object, Rgb, Scene, SceneError, Shape, Sky, Sphere, solids,
+};
 
 use glb::Glb;
 
@@ -37,8 +39,9 @@ pub struct Exported {
 pub fn export_gltf(scene: &Scene, frame: usize, out: &Path) -> Result<Exported, SceneError> {
     std::fs::create_dir_all(out).map_err(|reason| SceneError::Unwritable { file: out.to_owned(), reason })?;
     let mut export = Export { scene, out, glb: Glb::default(), notices: Vec::new(), textures: HashMap::new() };
-    export.objects(frame)?;
-    export.lights()?;
+    let posed = scene.frame(frame);
+    export.objects(&posed)?;
+    export.lights(&posed)?;
     if let Some(camera) = &scene.camera {
         export.camera(camera);
     }
@@ -59,9 +62,8 @@ struct Export<'a> {
 }
 
 impl Export<'_> {
-    fn objects(&mut self, frame: usize) -> Result<(), SceneError> {
-        let posed = self.scene.frame(frame);
-        for posed in &posed.objects {
+    fn objects(&mut self, frame: &Frame) -> Result<(), SceneError> {
+        for posed in &frame.objects {
             let object = &self.scene.objects[posed.object];
             match &*posed.in_place() {
                 Shape::Mesh(mesh) => self.mesh(object, mesh)?,
@@ -87,7 +89,7 @@ impl Export<'_> {
         if !mesh.uvs.is_empty() {
             attributes["TEXCOORD_0"] = self.glb.pairs(&mesh.uvs).into();
         }
-        let (indices, material) = (self.glb.triangles(&mesh.triangles), self.material(object)?);
+        let (indices, material) = (self.glb.triangles(&mesh.triangles), self.material(object, mesh)?);
         self.glb.meshes.push(json!({
             "name": object.name,
             "primitives": [{ "attributes": attributes, "indices": indices, "material": material }],
@@ -98,17 +100,18 @@ impl Export<'_> {
         Ok(())
     }
 
-    fn material(&mut self, object: &Object) -> Result<usize, SceneError> {
+    fn material(&mut self, object: &Object, mesh: &Mesh) -> Result<usize, SceneError> {
         let [r, g, b] = object.albedo.to_array();
         let mut base = json!({ "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0 });
         if let Some(texture) = self.texture(object)? {
             base["baseColorTexture"] = json!({ "index": texture });
         }
         let mut material = json!({ "name": object.name, "pbrMetallicRoughness": base });
-        if object.emits() {
+        let emission = self.mean_emission(object, mesh);
+        if emission != Rgb::ZERO {
             // A power of two, so that no digit is lost.
-            let strength = object.emission.max_element().log2().ceil().max(0.0).exp2();
-            material["emissiveFactor"] = json!((object.emission / strength).to_array());
+            let strength = emission.max_element().log2().ceil().max(0.0).exp2();
+            material["emissiveFactor"] = json!((emission / strength).to_array());
             if strength > 1.0 {
                 material["extensions"] = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": strength } });
                 self.glb.extensions.push("KHR_materials_emissive_strength");
@@ -116,6 +119,23 @@ impl Export<'_> {
         }
         self.glb.materials.push(material);
         Ok(self.glb.materials.len() - 1)
+    }
+
+    /// Over its surface.
+    fn mean_emission(&mut self, object: &Object, mesh: &Mesh) -> Rgb {
+        match &object.emission {
+            Emission::Even(radiance) => *radiance,
+            Emission::Triangles(triangles) => {
+                self.notices.push(format!("{}: what its triangles emit became one mean", object.name));
+                let area = |triangle: usize| {
+                    let [a, b, c] = mesh.corners(triangle).map(Vec3::as_dvec3);
+                    (b - a).cross(c - a).length()
+                };
+                let all: f64 = (0..triangles.len()).map(area).sum();
+                let sum: DVec3 = triangles.iter().enumerate().map(|(i, light)| light.as_dvec3() * area(i)).sum();
+                (sum / all).as_vec3()
+            }
+        }
     }
 
     fn texture(&mut self, object: &Object) -> Result<Option<usize>, SceneError> {
@@ -132,9 +152,9 @@ impl Export<'_> {
         Ok(Some(index))
     }
 
-    fn lights(&mut self) -> Result<(), SceneError> {
+    fn lights(&mut self, frame: &Frame) -> Result<(), SceneError> {
         let mut afar = Vec::new();
-        for light in &self.scene.lights {
+        for light in frame.lights() {
             match light {
                 Light::Sky(Sky::Uniform(radiance)) => afar.push(Afar::Uniform(radiance.to_array())),
                 Light::Sky(Sky::Overcast(zenith)) => afar.push(Afar::Overcast(zenith.to_array())),
@@ -161,7 +181,7 @@ impl Export<'_> {
     }
 
     fn lamp(&mut self, object: &Object, sphere: &Sphere) {
-        let intensity = object.emission.as_dvec3() * PI * f64::from(sphere.radius).powi(2);
+        let intensity = object.emission.of(0).as_dvec3() * PI * f64::from(sphere.radius).powi(2);
         let light = self.light("point", intensity);
         let ours = extras::Node { radius: Some(sphere.radius), ..extras::Node::default() };
         let center = lying(sphere.center).to_array();
@@ -204,8 +224,10 @@ impl Export<'_> {
 
     fn say_what_is_lost(&mut self, frame: usize) {
         let moving = self.scene.objects.iter().filter(|object| !object.rests()).count();
-        if moving > 0 {
-            self.notices.push(format!("{moving} objects move: written as they are in frame {frame}"));
+        let turning = self.scene.facts().turning;
+        if moving + turning > 0 {
+            let all = format!("{moving} objects move and {turning} lights turn");
+            self.notices.push(format!("{all}: written as they are in frame {frame}"));
         }
     }
 

@@ -113,7 +113,7 @@ impl Source<'_> {
             name,
             albedo: if plain { object.albedo } else { part.albedo },
             texture: if plain { None } else { part.texture },
-            emission: object.emission + part.emission,
+            emission: part.emission.plus(object.emission.of(0)),
             casts: object.casts && part.ours.casts.unwrap_or(true),
             pivot: part.ours.pivot.map_or(object.pivot, |pivot| rest.point(turn(pivot.into()))),
             deformation: part.animated.then(|| Arc::new(deformation())),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use halflight_scenes::{Import, Imported, Light, Rgb, Scene, Shape, Up, Wanted, export_gltf, import};
+use halflight_scenes::{DistantLight, Import, Imported, Light, Rgb, Scene, Shape, Up, Wanted, export_gltf, import};
 use proptest::prelude::*;
 
 use crate::folder::{Folder, cube_ply};
@@ -89,11 +89,18 @@ fn an_export_of_an_import_is_imported_as_the_same_scene() {
             .enumerate()
     {
         let first = well(&folder, files, &format!("first-{index}")).scene;
-        assert_eq!(Scene::load(&folder.path(&format!("first-{index}/{}.toml", first.name))).unwrap().content, first.content);
+        assert_eq!(
+            Scene::load(&folder.path(&format!("first-{index}/{}.toml", first.name))).unwrap().content,
+            first.content
+        );
         let second = again(&folder, &first, &format!("second-{index}"));
         assert_eq!(second.objects.len(), first.objects.len(), "{files:?}");
         for (a, b) in first.objects.iter().zip(&second.objects) {
-            assert_eq!((a.content, a.albedo, a.emission, a.casts), (b.content, b.albedo, b.emission, b.casts), "{files:?}");
+            assert_eq!(
+                (a.content, a.albedo, a.emission.clone(), a.casts),
+                (b.content, b.albedo, b.emission.clone(), b.casts),
+                "{files:?}"
+            );
         }
         assert_eq!(first.camera, second.camera, "{files:?}");
         assert_eq!(first.content, second.content, "{files:?}");
@@ -104,7 +111,8 @@ fn an_export_of_an_import_is_imported_as_the_same_scene() {
 fn exr(width: usize, height: usize) -> Vec<u8> {
     use exr::prelude::*;
     let texel = |at: Vec2<usize>| (0.1 + at.x() as f32, 1.5 * at.y() as f32, 0.3);
-    let layer = Layer::new((width, height), LayerAttributes::named("x"), Encoding::UNCOMPRESSED, SpecificChannels::rgb(texel));
+    let layer =
+        Layer::new((width, height), LayerAttributes::named("x"), Encoding::UNCOMPRESSED, SpecificChannels::rgb(texel));
     let mut bytes = std::io::Cursor::new(Vec::new());
     Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
     bytes.into_inner()
@@ -116,7 +124,7 @@ fn lights_keep_their_irradiance_and_intensity_and_cameras_their_view() {
     folder.write("lit.glb", lit_model());
     let made = well(&folder, &["lit.glb"], "out");
     let scene = &made.scene;
-    let [Light::Key(key)] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    let [DistantLight { rest: Light::Key(key), .. }] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
     // Along the +z axis of its node, turned upright; quaternion (x, y, z, w) = (-0.5, 0.1, 0.2, 0.8).
     let turn = glam::Quat::from_xyzw(-0.5, 0.1, 0.2, 0.8).normalize();
     let towards = turn * Vec3::Z;
@@ -124,13 +132,13 @@ fn lights_keep_their_irradiance_and_intensity_and_cameras_their_view() {
     let irradiance = key.radiance * std::f32::consts::PI * key.angular_radius.sin().powi(2);
     assert!(irradiance.distance(Rgb::new(1.0, 0.9, 0.7) * 3.3) < 1e-4, "{irradiance}");
     let lamps: Vec<_> = scene.objects.iter().filter(|object| !object.casts && object.emits()).collect();
-    for (lamp, (at, candela)) in lamps.iter().zip([
-        (Vec3::new(0.3, -0.9, 1.7), Rgb::new(8.0, 20.0, 40.0)),
-        (Vec3::new(1.0, -3.0, 2.0), Rgb::splat(7.0)),
-    ]) {
+    for (lamp, (at, candela)) in lamps
+        .iter()
+        .zip([(Vec3::new(0.3, -0.9, 1.7), Rgb::new(8.0, 20.0, 40.0)), (Vec3::new(1.0, -3.0, 2.0), Rgb::splat(7.0))])
+    {
         let Shape::Spheres(spheres) = &*lamp.shape else { panic!("a lamp is a ball") };
         assert_eq!(spheres[0].center, at);
-        let intensity = lamp.emission * std::f32::consts::PI * spheres[0].radius.powi(2);
+        let intensity = lamp.emission.of(0) * std::f32::consts::PI * spheres[0].radius.powi(2);
         assert!(intensity.distance(candela) < 1e-3, "{intensity}");
     }
     let camera = scene.camera.unwrap();

@@ -189,7 +189,8 @@ fn what_the_file_says_of_looks_and_motion_is_taken_over() {
     let scene = loaded(&model(), "clip = \"0\", play = { start = 0.5, speed = 2.0, repeat = true }").unwrap();
     let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).collect();
     assert_eq!(names, ["model.0", "model.1"]);
-    assert_eq!((scene.objects[0].albedo, scene.objects[0].emission), (Rgb::new(0.5, 0.25, 0.125), Rgb::Z));
+    let looks = (scene.objects[0].albedo, &scene.objects[0].emission);
+    assert_eq!(looks, (Rgb::new(0.5, 0.25, 0.125), &Rgb::Z.into()));
     assert_eq!(scene.facts().deforming, 2);
     // Twice as fast, 1.25 s long: from 0.5 s over the end to the beginning.
     let plain = loaded(&model(), "clip = \"wave\"").unwrap();

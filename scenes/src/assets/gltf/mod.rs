@@ -15,7 +15,7 @@ use gltf::{Document, Gltf, Node};
 use crate::animation::{Playback, Skin};
 use crate::assets::Asset;
 use crate::check::Checker;
-use crate::{Mesh, Rgb, SceneError, Texture};
+use crate::{Emission, Mesh, Rgb, SceneError, Texture};
 
 use bytes::Buffers;
 
@@ -28,7 +28,7 @@ pub(crate) struct Part {
     pub(crate) animated: bool,
     pub(crate) albedo: Rgb,
     pub(crate) texture: Option<Texture>,
-    pub(crate) emission: Rgb,
+    pub(crate) emission: Emission,
     /// What only files of ours say.
     pub(crate) ours: extras::Node,
 }
