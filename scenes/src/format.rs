@@ -143,10 +143,12 @@ pub(crate) struct PictureFile {
 }
 
 /// The axis that points up in a mesh file.
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Up {
+pub enum Up {
+    /// The second.
     Y,
+    /// The third, as in scenes.
     #[default]
     Z,
 }

@@ -48,6 +48,6 @@ fn decode(check: Checker, field: &str, bytes: &[u8]) -> Result<DynamicImage, Sce
 }
 
 /// IEC 61966-2-1.
-fn linear(value: f32) -> f32 {
+pub(crate) fn linear(value: f32) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

@@ -25,12 +25,12 @@ impl Rest {
         DAffine3::from_scale_rotation_translation(DVec3::splat(f64::from(self.scale)), rotation, translation)
     }
 
-    fn point(&self, p: Vec3) -> Vec3 {
+    pub(super) fn point(&self, p: Vec3) -> Vec3 {
         self.rotation * (p * self.scale) + self.translation
     }
 }
 
-pub(super) fn load(
+pub(crate) fn load(
     check: Checker,
     assets: &Assets,
     files: &[ObjectFile],

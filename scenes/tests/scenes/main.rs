@@ -6,6 +6,7 @@ mod folder;
 mod formats;
 mod heights;
 mod identity;
+mod imports;
 mod lights;
 mod models;
 mod mutations;
