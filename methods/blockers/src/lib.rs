@@ -11,13 +11,17 @@
 //! visibility in blocks → one vector a receiver, which the guard and the window change → blocks → `H(N) * g` → colours. Lanes do
 //! not influence one another: a receiver's result does not depend on its company.
 
+mod clustered;
+mod clusters;
+mod cut;
 mod direct;
 mod gather;
 pub mod params;
 mod seen;
 mod shading;
 
+pub use clusters::clusters;
 pub use direct::{Accumulator, DirectLight, Work, fill_open, supports};
-pub use gather::{Gather, Tally};
+pub use gather::{Blockers, Gather, Tally};
 pub use halflight_proxies::SelfShadow;
 pub use seen::Circles;

@@ -37,7 +37,7 @@ pub(crate) struct SeriesExp {
 }
 
 impl Exponential for SeriesExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(DEGREE, SQUARING);
+    const PARAMS: &'static [ParamSpec] = blocker_params!(DEGREE, SQUARING, params::CUT, params::RATIO, params::CLUSTER);
 
     fn new(params: &Params) -> Self {
         SeriesExp { degree: params.int(DEGREE.name), rule: squaring(params) }
@@ -54,7 +54,7 @@ pub(crate) struct HybridExp {
 }
 
 impl Exponential for HybridExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(SQUARING);
+    const PARAMS: &'static [ParamSpec] = blocker_params!(SQUARING, params::CUT, params::RATIO, params::CLUSTER);
 
     fn new(params: &Params) -> Self {
         HybridExp { rule: squaring(params) }
@@ -69,7 +69,7 @@ impl Exponential for HybridExp {
 pub(crate) struct EigenExp;
 
 impl Exponential for EigenExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!();
+    const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER);
 
     fn new(_: &Params) -> Self {
         EigenExp
@@ -114,9 +114,12 @@ impl<E: Exponential> Accumulator for LogSum<E> {
         state.log.fill(Block::ZERO);
     }
 
-    fn block(&self, State { log, zonal, exp }: &mut State, Circles { axes, sines }: &Circles) {
+    fn block(&self, State { log, zonal, exp }: &mut State, Circles { axes, sines, ratios }: &Circles) {
         zonal.resize(self.order * sines.len(), Block::ZERO);
         exp.batch().circle_logs(sines, zonal);
+        if !ratios.is_empty() {
+            exp.batch().scale(ratios, zonal);
+        }
         exp.batch().sum_zonal(zonal, axes, log);
     }
 
@@ -165,16 +168,16 @@ mod tests {
         let mut state = method.state();
         let mut visibility = vec![Block::splat(f32::NAN); coefficients(method.order)];
         method.begin(&mut state);
-        let Circles { axes, sines } = circles;
+        let Circles { axes, sines, .. } = circles;
         for (axes, sines) in axes.chunks(16).zip(sines.chunks(16)) {
-            method.block(&mut state, &Circles { axes: axes.to_vec(), sines: sines.to_vec() });
+            method.block(&mut state, &Circles { axes: axes.to_vec(), sines: sines.to_vec(), ratios: Vec::new() });
         }
         method.finish(&mut state, blockers, &mut visibility, &mut work);
         (visibility, work)
     }
 
     /// The log of the circles in a lane, one after the other from the table.
-    fn log(order: usize, Circles { axes, sines }: &Circles, lane: usize) -> Vec<f32> {
+    fn log(order: usize, Circles { axes, sines, .. }: &Circles, lane: usize) -> Vec<f32> {
         let mut sum = vec![0.0; coefficients(order)];
         let (mut zonal, mut circle) = (vec![0.0; order], sum.clone());
         for (axis, sine) in axes.iter().zip(sines).filter(|(_, sine)| sine.0[lane] > 0.0) {
@@ -212,6 +215,7 @@ mod tests {
             let turned = Circles {
                 axes: circles.axes.iter().map(|axis| axis.each_ref().map(turn)).collect(),
                 sines: circles.sines.iter().map(turn).collect(),
+                ratios: Vec::new(),
             };
             let turned_blockers: Vec<u32> = (0..LANES).map(|lane| blockers[(lane + 5) % LANES]).collect();
             let (again, _) = visibilities::<E>(&params, &turned, &turned_blockers);
@@ -228,7 +232,7 @@ mod tests {
 
     #[test]
     fn receivers_without_circles_see_an_open_sky() {
-        let none = Circles { axes: vec![Default::default()], sines: vec![Block::ZERO] };
+        let none = Circles { axes: vec![Default::default()], sines: vec![Block::ZERO], ratios: Vec::new() };
         let params = Params::defaults(HybridExp::PARAMS);
         let (visibility, work) = visibilities::<HybridExp>(&params, &none, &[0; 3]);
         assert_eq!(work, Work::default());
