@@ -47,7 +47,7 @@ struct Entry {
 }
 
 /// Halving a normal's component from −1 to 1 counts like halving this share of the receivers' extent.
-const NORMALS: f32 = 0.15;
+const NORMALS: f32 = 1.0;
 
 /// Valid receivers in the clusters of at most `size`, at least 16, that methods with cuts make of them.
 pub fn clusters(receivers: &Receivers, size: usize) -> Vec<Vec<usize>> {
@@ -127,9 +127,8 @@ fn sort(entries: &mut [Entry], size: usize) {
     let (low, high) = bounds(entries.iter().map(|entry| entry.place));
     let side = |axis: &usize| high[*axis] - low[*axis];
     let axis = (0..6).max_by(|a, b| side(a).total_cmp(&side(b))).expect("six axes");
-    entries.select_nth_unstable_by(half, |a, b| {
-        a.place[axis].total_cmp(&b.place[axis]).then(a.receiver.cmp(&b.receiver))
-    });
+    entries
+        .select_nth_unstable_by(half, |a, b| a.place[axis].total_cmp(&b.place[axis]).then(a.receiver.cmp(&b.receiver)));
     let (first, second) = entries.split_at_mut(half);
     rayon::join(|| sort(first, size), || sort(second, size));
 }
@@ -163,9 +162,8 @@ impl Facing {
     fn new(receivers: &Receivers, numbers: &[usize], center: Vec3) -> Self {
         let normals = || numbers.iter().map(|&receiver| receivers.geometric_normal[receiver]);
         let normal = normals().sum::<Vec3>().normalize_or_zero();
-        let height = |&receiver: &usize| {
-            (receivers.position[receiver] - center).dot(receivers.geometric_normal[receiver])
-        };
+        let height =
+            |&receiver: &usize| (receivers.position[receiver] - center).dot(receivers.geometric_normal[receiver]);
         let (low, high) = bounds(numbers.iter().map(|receiver| [height(receiver)]));
         let spread = normals().map(|one| one.distance(normal)).fold(0.0, f32::max);
         Facing { normal, spread, heights: [low[0], high[0]] }

@@ -3,14 +3,11 @@
 use glam::Vec3;
 use halflight_proxies::{Circle, Hierarchy, SelfShadow, seen};
 use halflight_scenes::{Receivers, Sphere};
-use halflight_sh::{Batch, Block, LANES};
+use halflight_sh::Batch;
 
 use crate::clusters::Cluster;
+use crate::ratio::Ratios;
 use crate::{Blockers, Gather};
-
-/// What rises of a bounding sphere above one receiver's tangent plane is at least this share of what rises above another's of the
-/// cluster; where they differ more, so do the shapes that the self-shadow rules leave, and no ratio serves all.
-const STEADY: f32 = 0.5;
 
 /// Spheres that stand for all blockers at the receivers of a cluster.
 #[derive(Clone, Debug, Default)]
@@ -131,29 +128,22 @@ impl Forest<'_> {
         selected
     }
 
-    /// Ratio vectors (37) of accepted nodes.
-    ///
-    /// The bounding log is zonal, so that by the addition theorem its dot product with a leaf's, band by band, is that of their
-    /// zonal coefficients times `P_l` of the angle between the two: `w_l = Σ z_l(leaf) P_l(cos γ) / z_l(bound)`.
+    /// Ratio vectors of accepted nodes at the central receiver: 1 for leaves, 0 for what it does not see.
     fn ratios(&self, view: &View<'_>, batch: Batch, nodes: &[usize], ratios: &mut Vec<f32>, visits: &mut Visits) {
         let order = batch.order();
         ratios.resize(nodes.len() * order, 1.0);
-        let mut lanes = Detail::new(batch);
+        let mut lanes = Ratios::new(batch);
         for (&node, ratio) in nodes.iter().zip(ratios.chunks_exact_mut(order)) {
             if self.hierarchy.is_leaf(node) {
                 continue;
             }
-            let Some(bound) = view.circle(&self.bounds[node]) else {
-                ratio.fill(0.0);
-                continue;
-            };
             let leaves = self.hierarchy.spheres(node);
-            lanes.begin(bound);
-            leaves.iter().filter_map(|&leaf| view.circle(&self.spheres[leaf as usize])).for_each(|leaf| {
-                lanes.add(leaf);
-            });
             visits.detailed += leaves.len() as u64;
-            visits.bounded += lanes.ratio(leaves.len(), ratio);
+            let detail = leaves.iter().filter_map(|&leaf| view.circle(&self.spheres[leaf as usize]));
+            match view.circle(&self.bounds[node]) {
+                Some(bound) => visits.bounded += lanes.ratio(bound, detail, ratio),
+                None => ratio.fill(0.0),
+            }
         }
     }
 }
@@ -183,13 +173,13 @@ impl View<'_> {
             SelfShadow::Off => [f32::INFINITY; 2],
             _ => self.cluster.heights(bound.center),
         };
+        // Behind some tangent planes and not behind others it has no look that a ratio could scale.
         if highest < -bound.radius {
-            return Judgement::Unseen;
-        }
-        let [least, most] = [lowest, highest].map(|height| height.min(bound.radius) + bound.radius);
-        match bound.radius < self.rule.max_sin_angle * distance && least >= STEADY * most {
-            true => Judgement::Small,
-            false => Judgement::Large,
+            Judgement::Unseen
+        } else if lowest > -bound.radius && bound.radius < self.rule.max_sin_angle * distance {
+            Judgement::Small
+        } else {
+            Judgement::Large
         }
     }
 
@@ -198,76 +188,5 @@ impl View<'_> {
         let [position, normal] = self.central;
         let circle = seen(self.gather.self_shadow, position, normal, sphere);
         circle.filter(|circle| circle.sin_angle >= self.gather.min_sin_angle)
-    }
-}
-
-/// Leaf circles, a lane each, and what they sum to along a bounding circle.
-struct Detail {
-    batch: Batch,
-    bound: Circle,
-    sines: Block<f32>,
-    cosines: Block<f32>,
-    filled: usize,
-    zonal: Vec<Block<f32>>,
-    sums: Vec<f32>,
-}
-
-impl Detail {
-    fn new(batch: Batch) -> Self {
-        Detail {
-            batch,
-            bound: Circle { axis: Vec3::Z, sin_angle: 0.0 },
-            sines: Block::ZERO,
-            cosines: Block::ZERO,
-            filled: 0,
-            zonal: vec![Block::ZERO; batch.order()],
-            sums: vec![0.0; batch.order()],
-        }
-    }
-
-    fn begin(&mut self, bound: Circle) {
-        self.bound = bound;
-        self.filled = 0;
-        self.sums.fill(0.0);
-    }
-
-    fn add(&mut self, leaf: Circle) {
-        if self.filled == LANES {
-            self.flush();
-        }
-        self.sines.0[self.filled] = leaf.sin_angle;
-        self.cosines.0[self.filled] = leaf.axis.dot(self.bound.axis);
-        self.filled += 1;
-    }
-
-    /// Adds `z_l P_l` of all lanes to the sums.
-    fn flush(&mut self) {
-        self.sines.0[self.filled..].fill(0.0); // blocks nothing: all bands are 0
-        self.batch.circle_logs(&[self.sines], &mut self.zonal);
-        let (mut below, mut legendre) = ([0.0; LANES], [1.0; LANES]);
-        for (l, (zonal, sum)) in self.zonal.iter().zip(&mut self.sums).enumerate() {
-            let (factor, rest) = ((2 * l + 1) as f32 / (l + 1) as f32, l as f32 / (l + 1) as f32);
-            for lane in 0..LANES {
-                *sum += zonal.0[lane] * legendre[lane];
-                let above = factor * self.cosines.0[lane] * legendre[lane] - rest * below[lane];
-                (below[lane], legendre[lane]) = (legendre[lane], above);
-            }
-        }
-        self.filled = 0;
-    }
-
-    /// Writes the ratios of the sums to the bounding circle's bands, at most as large as there are leaves; how many had to be
-    /// bounded.
-    fn ratio(&mut self, leaves: usize, ratio: &mut [f32]) -> u64 {
-        self.flush();
-        self.batch.circle_logs(&[Block::splat(self.bound.sin_angle)], &mut self.zonal);
-        let most = leaves as f32;
-        let mut bounded = 0;
-        for ((sum, zonal), ratio) in self.sums.iter().zip(&self.zonal).zip(ratio) {
-            let exact = sum / zonal.0[0];
-            *ratio = if exact.is_nan() { 0.0 } else { exact.clamp(-most, most) };
-            bounded += u64::from(*ratio != exact);
-        }
-        bounded
     }
 }

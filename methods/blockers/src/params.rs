@@ -1,10 +1,13 @@
 //! Parameters that all sphere-blocker methods share.
 
-use halflight_contract::{Kind, ParamSpec, Params, Phase};
+use halflight_contract::{Coupling, Kind, ParamSpec, Params, Phase};
 use halflight_proxies::{DEFAULT_COUNT, MAX_COUNT, SelfShadow};
 
 use crate::Gather;
 use crate::cut::Rule;
+
+/// The most that another grouping changed a receiver under unit light by, with θmax = 30°; see `docs/cuts.md`.
+const COMPANY: f32 = 0.05;
 
 /// SH order of light, visibility and shading.
 pub const ORDER: ParamSpec = ParamSpec {
@@ -90,6 +93,12 @@ pub const WINDOW_VISIBILITY: ParamSpec = ParamSpec {
 pub fn gather(params: &Params) -> Gather {
     let self_shadow = SelfShadow::named(params.choice(SELF_SHADOW.name)).expect("declared by the rules' names");
     Gather { self_shadow, min_sin_angle: params.float(MIN_ANGLE.name).to_radians().sin() as f32 }
+}
+
+/// How receivers couple: those that share a cut keep each other company, and another company may change a receiver by so much
+/// radiance as was found on scenes made to overlap.
+pub fn coupling(params: &Params) -> Coupling {
+    if params.float(CUT.name) > 0.0 { Coupling::Clustered(COMPANY) } else { Coupling::Independent }
 }
 
 /// How cuts are made, if there are to be any.

@@ -38,8 +38,10 @@ fn compare(name: &str, common: &[String], compared: &[String]) {
         let pairs: Vec<_> = all.filter_map(|setting| setting.split_once('=')).collect();
         Params::resolve(method.info().params, pairs).expect("settings of the method")
     };
-    let all: Vec<(&str, Params)> =
-        std::iter::once("cut=0").chain(compared.iter().map(String::as_str)).map(|text| (text, settings(text))).collect();
+    let all: Vec<(&str, Params)> = std::iter::once("cut=0")
+        .chain(compared.iter().map(String::as_str))
+        .map(|text| (text, settings(text)))
+        .collect();
     let frames: Vec<Frame> = (0..scene.frame_count.min(FRAMES)).map(|index| scene.frame(index)).collect();
     let mut ready: Vec<Candidate<'_>> =
         all.iter().map(|(text, params)| Candidate::new(method, &scene, text, params, &cache)).collect();
@@ -50,12 +52,14 @@ fn compare(name: &str, common: &[String], compared: &[String]) {
     }
     let receivers: usize = frames.iter().map(|frame| frame.receivers.valid.iter().filter(|v| **v).count()).sum();
     println!("{name} {}: {} receivers", common.join(" "), receivers / frames.len());
-    println!("| setting | update ms | shade ms | accumulated a receiver | cut | largest | nodes | added error | worst | seams |");
+    println!(
+        "| setting | update ms | shade ms | accumulated a receiver | cut | largest | nodes | added error | worst | seams |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let last = &frames[frames.len() - 1].receivers;
     let exact = ready[0].radiance.clone();
     for candidate in &ready {
-        candidate.print(last, &exact, receivers / frames.len());
+        candidate.print(last, &exact, receivers / frames.len(), ROUNDS * frames.len());
     }
 }
 
@@ -64,7 +68,7 @@ struct Candidate<'s> {
     name: String,
     cluster: usize,
     prepared: Box<dyn Prepared + 's>,
-    /// The least that a frame took, in milliseconds.
+    /// Milliseconds that all evaluations took.
     update: f64,
     shade: f64,
     radiance: Vec<Rgb>,
@@ -75,9 +79,15 @@ impl<'s> Candidate<'s> {
     fn new(method: &dyn Method, scene: &'s Scene, name: &str, params: &Params, cache: &Cache) -> Self {
         let job = Job::new(scene, params, 1, Backend::Cpu, cache);
         let prepared = method.prepare(&job, &mut Counters::default()).expect("a shipped scene can be prepared");
-        let (update, shade) = (f64::INFINITY, f64::INFINITY);
-        let cluster = params.int("cluster");
-        Candidate { name: name.into(), cluster, prepared, update, shade, radiance: Vec::new(), counters: Counters::default() }
+        Candidate {
+            name: name.into(),
+            cluster: params.int("cluster"),
+            prepared,
+            update: 0.0,
+            shade: 0.0,
+            radiance: Vec::new(),
+            counters: Counters::default(),
+        }
     }
 
     fn run(&mut self, frame: &Frame) {
@@ -86,13 +96,13 @@ impl<'s> Candidate<'s> {
         self.prepared.update(frame, &mut self.counters).expect("a frame of the scene");
         let middle = time();
         self.prepared.evaluate(frame, Quantity::Direct, &mut self.counters).expect("direct light");
-        self.shade = self.shade.min(time() - middle);
-        self.update = self.update.min(middle - start);
+        self.shade += time() - middle;
+        self.update += middle - start;
         self.radiance.resize(frame.receivers.len(), Rgb::ZERO);
         self.prepared.read(Output::Radiance(&mut self.radiance), &mut self.counters).expect("as many as receivers");
     }
 
-    fn print(&self, receivers: &Receivers, exact: &[Rgb], count: usize) {
+    fn print(&self, receivers: &Receivers, exact: &[Rgb], count: usize, runs: usize) {
         let amount = |name: &str| self.counters.0.get(name).copied().unwrap_or(0) as f64;
         let valid = || (0..receivers.len()).filter(|&i| receivers.valid[i]);
         let level = valid().map(|i| grey(exact[i])).sum::<f32>() / valid().count() as f32;
@@ -103,8 +113,8 @@ impl<'s> Candidate<'s> {
         println!(
             "| {} | {:.2} | {:.2} | {:.1} | {:.1} | {} | {:.0} | {:.3}% | {:.1}% | {} |",
             self.name,
-            self.update,
-            self.shade,
+            self.update / runs as f64,
+            self.shade / runs as f64,
             amount("blockers accumulated") / count as f64,
             amount("spheres in cuts") / clusters_met,
             amount("largest cut"),
