@@ -7,7 +7,7 @@ mod solids;
 use serde::Deserialize;
 
 pub(crate) use animation::{CharacterFile, DeformFile, GltfFile, PlayFile};
-pub(crate) use heights::{HeightsFile, WaveFile};
+pub(crate) use heights::{GrowFile, HeightsFile, WaveFile};
 pub(crate) use solids::{BallFile, BlobFile, BlockFile, CylinderFile};
 
 /// A scene file.

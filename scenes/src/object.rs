@@ -119,20 +119,20 @@ pub struct Object {
     pub motion: Vec<(f32, Pose)>,
     /// The point about which the motion rotates.
     pub pivot: Vec3,
-    /// How its mesh changes its shape, before the motion carries it along.
+    /// How it changes its shape, before the motion carries it along.
     pub deformation: Option<Arc<Deformation>>,
 }
 
 impl Object {
     /// The shape at a time in seconds, not yet carried along, and its content.
     pub(crate) fn shape_at(&self, time: f32) -> (Arc<Shape>, Content) {
-        match (&self.deformation, &*self.shape) {
-            (Some(deformation), Shape::Mesh(rest)) => {
-                let shape = Shape::Mesh(deformation.at(rest, time));
+        match &self.deformation {
+            Some(deformation) => {
+                let shape = deformation.at(&self.shape, time);
                 let content = shape.content();
                 (Arc::new(shape), content)
             }
-            _ => (self.shape.clone(), self.content),
+            None => (self.shape.clone(), self.content),
         }
     }
 

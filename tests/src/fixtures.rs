@@ -46,6 +46,22 @@ pub fn two_lights() -> Scene {
     scene("two-lights", vec![ground(), low, high], vec![gradient(), key()], grid())
 }
 
+/// Two heaps of small spheres beside a ground that is large for them, so that bounding spheres may stand for them, under an
+/// overcast sky. Left out of [`all`]: it is for methods with cuts.
+pub fn heaps() -> Scene {
+    let mut random = Random::default();
+    let mut heap = |center: Vec3| {
+        let spheres = (0..40).map(|_| sphere(center + 0.2 * random.in_cube(), 0.03 + 0.07 * random.next()));
+        spheres.collect::<Vec<Sphere>>()
+    };
+    let objects = vec![
+        ground(),
+        spheres("left", heap(Vec3::new(-0.5, 0.2, 0.25))),
+        spheres("right", heap(Vec3::new(0.6, -0.3, 0.5))),
+    ];
+    scene("heaps", objects, vec![overcast()], grid_of([24, 20]))
+}
+
 /// An octahedron over the ground under an environment map and a key light.
 pub fn mesh_in_two_lights() -> Scene {
     let gem = object("gem", Shape::Mesh(octahedron(Vec3::new(0.0, 0.0, 0.8), 0.5)), true);
@@ -140,13 +156,11 @@ fn ground() -> Object {
 
 /// Receivers on the ground, which is the first object.
 fn grid() -> Placement {
-    Placement::Grid(Grid {
-        center: Vec3::ZERO,
-        size: Vec2::splat(4.0),
-        resolution: [9, 8],
-        normal: Vec3::Z,
-        object: Some(0),
-    })
+    grid_of([9, 8])
+}
+
+fn grid_of(resolution: [usize; 2]) -> Placement {
+    Placement::Grid(Grid { center: Vec3::ZERO, size: Vec2::splat(4.0), resolution, normal: Vec3::Z, object: Some(0) })
 }
 
 fn octahedron(center: Vec3, radius: f32) -> Mesh {

@@ -17,8 +17,16 @@ fn upright() -> DAffine3 {
 }
 
 impl Source<'_> {
+    /// The change of shape that the entry asks for.
+    pub(super) fn deformation(&self, shape: &Shape, rest: &Rest) -> Result<Option<Arc<Deformation>>, SceneError> {
+        let Some(heights) = &self.file.heights else { return self.procedural(shape, rest) };
+        self.no_deform()?;
+        let swell = super::heights::swell(self.check, &format!("{}.heights", self.field), heights, rest)?;
+        Ok(swell.map(|swell| Arc::new(Deformation::new(Kind::Swell(swell), rest.affine()))))
+    }
+
     /// The deformation by formula that the entry asks for.
-    pub(super) fn procedural(&self, shape: &Shape, rest: &Rest) -> Result<Option<Arc<Deformation>>, SceneError> {
+    fn procedural(&self, shape: &Shape, rest: &Rest) -> Result<Option<Arc<Deformation>>, SceneError> {
         let (check, field) = (self.check, format!("{}.deform", self.field));
         let Some(file) = &self.file.deform else { return Ok(None) };
         check.ensure(matches!(shape, Shape::Mesh(_)), &field, "only beside a mesh or a solid", &self.file.name)?;

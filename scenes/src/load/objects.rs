@@ -70,7 +70,7 @@ impl Source<'_> {
             _ => {
                 let picture = self.emission_map()?;
                 let shape = self.placed(self.shape(picture.as_ref(), notices)?, &rest)?;
-                let deformation = self.procedural(&shape, &rest)?;
+                let deformation = self.deformation(&shape, &rest)?;
                 let object = self.object(shape, &rest)?;
                 Ok(vec![Object { deformation, emission: self.emission(&object, picture)?, ..object }])
             }

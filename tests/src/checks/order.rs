@@ -9,7 +9,7 @@ use super::{Breach, Case, Outcome, Verdict, Violation, close, ensure, same_bits}
 /// The same receivers in another order, or a part of them, get what the method's [`Coupling`] promises: the same bits,
 /// or within its bound under a unit environment at unit albedo. Grids are exempt, for their order is part of the input.
 pub fn permuted_receivers(case: &Case<'_>) -> Result<Verdict, Violation> {
-    case.judge("permuted_receivers", || match case.method.info().coupling {
+    case.judge("permuted_receivers", || match case.method.coupling(&case.params) {
         Coupling::Independent => {
             regrouped(case, &case.frames, |what, expected, found| same_bits(what, expected, found))
         }
