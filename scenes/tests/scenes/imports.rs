@@ -277,7 +277,7 @@ proptest! {
         size in -3.0f32..3.0,
         shape in prop::array::uniform3(-1.0f32..0.0),
         offset in prop::array::uniform3(-3.0f32..3.0),
-        picture in (4usize..60, 4usize..60),
+        picture in (16usize..80, 16usize..80),
     ) {
         let folder = Folder::new();
         let size = 10f32.powf(size);
