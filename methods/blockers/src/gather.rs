@@ -87,7 +87,8 @@ impl Gather {
             let mut counts = Counts::default();
             let ratios = &ratios[number * SPHERES * bands..][..spheres.len() * bands];
             let (circles, counts_of) = (&mut circles, &mut counts);
-            run(simd, Seen { gather: *self, group: &group, spheres, ratios, circles, counts: counts_of });
+            let first = (number * SPHERES) as u32;
+            run(simd, Seen { gather: *self, group: &group, spheres, first, ratios, circles, counts: counts_of });
             blockers.iter_mut().zip(counts.accumulated.0).for_each(|(sum, count)| *sum += count as u32);
             for lane in 0..numbers.len() {
                 let (accumulated, too_small) = (counts.accumulated.0[lane] as u64, counts.too_small.0[lane] as u64);
