@@ -270,7 +270,7 @@ fn names(folder: &Path) -> Vec<PathBuf> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: proptest::test_runner::contextualize_config(ProptestConfig::default()).cases.div_ceil(8), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
     fn boxes_of_any_size_are_in_view_and_come_back_the_same(
