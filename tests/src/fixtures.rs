@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use halflight_scenes::{
-    Bodies, Content, Environment, Grid, KeyLight, Light, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sky, Sphere,
+    Bodies, Content, DistantLight, Emission, Environment, Grid, KeyLight, Light, Mesh, Object, Placement, Pose, Rgb,
+    Scene, Shape, Sky, Sphere,
 };
 
 /// Every fixture of exact spheres. [`mesh_in_two_lights`] is left out: what methods derive from a mesh takes long, and
@@ -107,7 +108,7 @@ pub fn scene(name: &str, objects: Vec<Object>, lights: Vec<Light>, placement: Pl
         purpose: "contract checks".into(),
         content: Content::of(parts.concat().as_bytes()),
         objects,
-        lights,
+        lights: lights.into_iter().map(DistantLight::from).collect(),
         camera: None,
         placement,
         frame_count: 1,
@@ -134,7 +135,7 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         shape: Arc::new(shape),
         albedo: Rgb::new(0.8, 0.6, 0.4),
         texture: None,
-        emission: Rgb::ZERO,
+        emission: Emission::NONE,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,

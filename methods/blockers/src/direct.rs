@@ -6,10 +6,10 @@ use halflight_contract::{
     Error, Flow, Footprint, Job, Meter, Output, ParamSpec, Params, Prepared, Quantity, Request, Result, Support,
     counted, timed,
 };
-use halflight_light::{LightOf, ShLight};
+use halflight_light::{LightOf, SceneLight, ShLight};
 use halflight_proxies::{PosedSpheres, Proxy, blockers, proxies};
 use halflight_scenes::{Frame, Receivers, Scene, SceneFacts};
-use halflight_sh::{Batch, Block, apply_bands, coefficients, window};
+use halflight_sh::{Batch, Block, apply_bands, window};
 use rayon::prelude::*;
 
 use crate::clustered::{self, Clustered};
@@ -65,7 +65,9 @@ pub struct DirectLight<'s, A> {
     scene: &'s Scene,
     params: Params,
     order: usize,
-    light: Arc<ShLight>,
+    light: Arc<SceneLight>,
+    /// The light now.
+    lit: ShLight,
     light_window: Vec<f32>,
     proxies: Vec<Option<Proxy>>,
     spheres: PosedSpheres,
@@ -116,6 +118,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             scene: job.scene,
             params: job.params.clone(),
             order,
+            lit: light.still.clone(),
             light,
             light_window,
             proxies,
@@ -177,7 +180,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             quantity: self.quantity,
             guard: self.params.flag(params::GUARD.name),
             visibility_window: self.params.flag(params::WINDOW_VISIBILITY.name).then(|| bands(self.order)),
-            light: self.light.rgb.clone().map(|mut channel| {
+            light: self.lit.rgb.clone().map(|mut channel| {
                 apply_bands(&self.light_window, &mut channel);
                 channel
             }),
@@ -199,7 +202,7 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
                 "posed spheres",
                 size_of_val(self.spheres.spheres.as_slice()) + size_of_val(self.spheres.object.as_slice()),
             )
-            .host("light (shared)", 3 * coefficients(self.order) * size_of::<f32>())
+            .host("light (shared)", self.light.bytes())
             .host("result", size_of_val(self.result.as_slice()));
         cuts.fold(footprint, |footprint, (purpose, bytes)| footprint.host(purpose, bytes))
     }
@@ -216,6 +219,9 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
 
     fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
         self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.proxies));
+        if !self.light.turning.is_empty() {
+            self.lit = timed(meter, "turn light", |_| self.light.at(frame.time).into_owned());
+        }
         if let Some((_, clustered)) = &mut self.cuts {
             clustered.update(&self.spheres, &frame.receivers, &self.params, meter);
         }

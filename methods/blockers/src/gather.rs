@@ -85,9 +85,11 @@ impl Gather {
         let bands = ratios.len() / spheres.len().max(1);
         for (number, spheres) in spheres.chunks(SPHERES).enumerate() {
             let mut counts = Counts::default();
-            let ratios = &ratios[number * SPHERES * bands..][..spheres.len() * bands];
-            let (group, circles) = (&group, &mut circles);
-            run(simd, Seen { gather: *self, group, spheres, ratios, circles, counts: &mut counts });
+            let (group, circles, first) = (&group, &mut circles, (number * SPHERES) as u32);
+            run(simd, Seen { gather: *self, group, spheres, first, circles, counts: &mut counts });
+            let Circles { places, ratios: kept, .. } = circles;
+            kept.clear();
+            places.iter().for_each(|&place| kept.extend_from_slice(&ratios[place as usize * bands..][..bands]));
             blockers.iter_mut().zip(counts.accumulated.0).for_each(|(sum, count)| *sum += count as u32);
             for lane in 0..numbers.len() {
                 let (accumulated, too_small) = (counts.accumulated.0[lane] as u64, counts.too_small.0[lane] as u64);

@@ -4,7 +4,16 @@ use halflight_contract::Method;
 
 /// Every registered method.
 pub fn methods() -> Vec<&'static dyn Method> {
-    vec![&halflight_sh_product::Ordered, &halflight_shexp::PsStar, &halflight_shexp::Hyb, &halflight_shexp::Eigen]
+    vec![
+        &halflight_sh_product::Ordered,
+        &halflight_sh_product::Tree,
+        &halflight_shexp::Ps,
+        &halflight_shexp::PsStar,
+        &halflight_shexp::Ol,
+        &halflight_shexp::Hyb,
+        &halflight_shexp::Eigen,
+        &halflight_shexp::Quadrature,
+    ]
 }
 
 /// The method of that id.

@@ -9,13 +9,15 @@
 //! at arm's length. The overlap guard bounds it (such receivers look evenly lit); the count of guarded receivers is in the
 //! results.
 
-mod cpu;
+mod ordered;
+mod tree;
 
 use halflight_blockers::{Accumulator, DirectLight, supports};
 use halflight_contract::{Backend, Coupling, Info, Job, Meter, Method, Prepared, Request, Result, Support};
 use halflight_scenes::SceneFacts;
 
-use cpu::OrderedProduct;
+use ordered::OrderedProduct;
+use tree::TreeProduct;
 
 /// Blockers multiplied one after the other, in the order of the sphere sets.
 pub struct Ordered;
@@ -40,5 +42,30 @@ impl Method for Ordered {
 
     fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {
         Ok(Box::new(DirectLight::<OrderedProduct>::prepare(job, meter)?))
+    }
+}
+
+/// Blockers multiplied by pairs, pairs by pairs, over a binary tree.
+pub struct Tree;
+
+static TREE: Info = Info {
+    id: "sh-product/tree",
+    about: "SH product of all sphere blockers, over a binary tree",
+    paper: "Ren et al. 2006, eq. 6, in another order",
+    params: TreeProduct::PARAMS,
+    ..ORDERED
+};
+
+impl Method for Tree {
+    fn info(&self) -> &'static Info {
+        &TREE
+    }
+
+    fn supports(&self, facts: &SceneFacts, request: &Request<'_>) -> Support {
+        supports(facts, request)
+    }
+
+    fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {
+        Ok(Box::new(DirectLight::<TreeProduct>::prepare(job, meter)?))
     }
 }

@@ -1,88 +1,10 @@
-//! Sums of log visibilities on the CPU, 16 receivers side by side, and the exponentials that end them.
+//! Sums of log visibilities on the CPU, 16 receivers side by side, ended by an exponential.
 
-use halflight_blockers::{Accumulator, Circles, Work, blocker_params, fill_open, params};
-use halflight_contract::{Kind, ParamSpec, Params, Phase};
-use halflight_sh::{self as sh, Batch, BatchExp, Block, LANES, SquaringRule, coefficients};
+use halflight_blockers::{Accumulator, Circles, Work, fill_open, params};
+use halflight_contract::{ParamSpec, Params};
+use halflight_sh::{self as sh, Batch, BatchExp, Block, LANES, coefficients};
 
-/// Degree of the product series.
-const DEGREE: ParamSpec = ParamSpec {
-    name: "p",
-    kind: Kind::Int { min: 1, max: 20, default: 2 },
-    phase: Phase::Evaluate,
-    help: "degree p of the product series in PS*-p",
-};
-
-/// Offset of the squaring count.
-const SQUARING: ParamSpec = ParamSpec {
-    name: "squaring",
-    kind: Kind::Float { min: -4.0, max: 8.0, default: 3.0 },
-    phase: Phase::Evaluate,
-    help: "offset c of the squaring count max(0, ⌊log2‖f̂‖ + c⌋); the paper prints 3",
-};
-
-/// An exponential of SHEXP with its setting.
-pub(crate) trait Exponential: Send + Sync {
-    /// All parameters of the variant.
-    const PARAMS: &'static [ParamSpec];
-    /// Setting from parameters.
-    fn new(params: &Params) -> Self;
-    /// Writes the exponentials of `log`, and the operations that each took to `spent`.
-    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]);
-}
-
-/// PS*-p.
-pub(crate) struct SeriesExp {
-    degree: usize,
-    rule: SquaringRule,
-}
-
-impl Exponential for SeriesExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(DEGREE, SQUARING, params::CUT, params::RATIO, params::CLUSTER);
-
-    fn new(params: &Params) -> Self {
-        SeriesExp { degree: params.int(DEGREE.name), rule: squaring(params) }
-    }
-
-    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
-        exp.scaled_series(self.degree, self.rule, log, out, spent);
-    }
-}
-
-/// HYB.
-pub(crate) struct HybridExp {
-    rule: SquaringRule,
-}
-
-impl Exponential for HybridExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(SQUARING, params::CUT, params::RATIO, params::CLUSTER);
-
-    fn new(params: &Params) -> Self {
-        HybridExp { rule: squaring(params) }
-    }
-
-    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
-        exp.hybrid(self.rule, log, out, spent);
-    }
-}
-
-/// The eigen-exponential.
-pub(crate) struct EigenExp;
-
-impl Exponential for EigenExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER);
-
-    fn new(_: &Params) -> Self {
-        EigenExp
-    }
-
-    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
-        exp.eigen(log, out, spent);
-    }
-}
-
-fn squaring(params: &Params) -> SquaringRule {
-    SquaringRule { offset: params.float(SQUARING.name) }
-}
+use crate::exponentials::Exponential;
 
 /// The sum of circle logs (Ren 2006, eqs. 8 and 34), ended by an exponential.
 pub(crate) struct LogSum<E> {
@@ -114,7 +36,7 @@ impl<E: Exponential> Accumulator for LogSum<E> {
         state.log.fill(Block::ZERO);
     }
 
-    fn block(&self, State { log, zonal, exp }: &mut State, Circles { axes, sines, ratios }: &Circles) {
+    fn block(&self, State { log, zonal, exp }: &mut State, Circles { axes, sines, ratios, .. }: &Circles) {
         zonal.resize(self.order * sines.len(), Block::ZERO);
         exp.batch().circle_logs(sines, zonal);
         if !ratios.is_empty() {
@@ -144,9 +66,10 @@ impl<E: Exponential> Accumulator for LogSum<E> {
 
 #[cfg(test)]
 mod tests {
-    use halflight_sh::{CircleTable, ExpWorkspace, rotate_zonal};
+    use halflight_sh::{CircleTable, ExpWorkspace, SquaringRule, rotate_zonal};
 
     use super::*;
+    use crate::exponentials::{EigenExp, HybridExp, LinearExp, PlainSeries, SeriesExp};
 
     /// Receivers with from 0 to 20 circles, those of up to 55° among them, scaled band by band.
     fn circles(order: usize) -> (Circles, [u32; LANES]) {
@@ -169,17 +92,20 @@ mod tests {
         let mut state = method.state();
         let mut visibility = vec![Block::splat(f32::NAN); coefficients(method.order)];
         method.begin(&mut state);
-        let Circles { axes, sines, ratios } = circles;
+        let Circles { axes, sines, ratios, .. } = circles;
         for (part, (axes, sines)) in axes.chunks(16).zip(sines.chunks(16)).enumerate() {
             let ratios = ratios.chunks(16 * method.order).nth(part).unwrap_or_default().to_vec();
-            method.block(&mut state, &Circles { axes: axes.to_vec(), sines: sines.to_vec(), ratios });
+            method.block(
+                &mut state,
+                &Circles { axes: axes.to_vec(), sines: sines.to_vec(), ratios, ..Circles::default() },
+            );
         }
         method.finish(&mut state, blockers, &mut visibility, &mut work);
         (visibility, work)
     }
 
     /// The log of the circles in a lane, one after the other from the table.
-    fn log(order: usize, Circles { axes, sines, ratios }: &Circles, lane: usize) -> Vec<f32> {
+    fn log(order: usize, Circles { axes, sines, ratios, .. }: &Circles, lane: usize) -> Vec<f32> {
         let mut sum = vec![0.0; coefficients(order)];
         let (mut zonal, mut circle) = (vec![0.0; order], sum.clone());
         let all = axes.iter().zip(sines).zip(ratios.chunks_exact(order));
@@ -220,6 +146,7 @@ mod tests {
                 axes: circles.axes.iter().map(|axis| axis.each_ref().map(turn)).collect(),
                 sines: circles.sines.iter().map(turn).collect(),
                 ratios: circles.ratios.clone(),
+                ..Circles::default()
             };
             let turned_blockers: Vec<u32> = (0..LANES).map(|lane| blockers[(lane + 5) % LANES]).collect();
             let (again, _) = visibilities::<E>(&params, &turned, &turned_blockers);
@@ -229,6 +156,8 @@ mod tests {
 
     #[test]
     fn lanes_are_what_single_receivers_were() {
+        check::<PlainSeries>(|exp, log, out| exp.product_series(21, log, out));
+        check::<LinearExp>(ExpWorkspace::optimal_linear);
         check::<SeriesExp>(|exp, log, out| exp.scaled_series(2, SquaringRule::default(), log, out));
         check::<HybridExp>(|exp, log, out| exp.hybrid(SquaringRule::default(), log, out));
         check::<EigenExp>(ExpWorkspace::eigen);
@@ -236,7 +165,7 @@ mod tests {
 
     #[test]
     fn receivers_without_circles_see_an_open_sky() {
-        let none = Circles { axes: vec![Default::default()], sines: vec![Block::ZERO], ratios: Vec::new() };
+        let none = Circles { axes: vec![Default::default()], sines: vec![Block::ZERO], ..Circles::default() };
         let params = Params::defaults(HybridExp::PARAMS);
         let (visibility, work) = visibilities::<HybridExp>(&params, &none, &[0; 3]);
         assert_eq!(work, Work::default());

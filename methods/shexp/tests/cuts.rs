@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use halflight_blockers::clusters;
 use halflight_contract::{Backend, Cache, Job, Method, NoMeter, Output, Params, Quantity};
-use halflight_scenes::{Content, Frame, Light, Object, Placement, Rgb, Scene, Shape, Sky, Sphere};
+use halflight_scenes::{Content, Emission, Frame, Light, Object, Placement, Rgb, Scene, Shape, Sky, Sphere};
 use std::sync::Arc;
 
 /// Radiance of white receivers under a uniform sky of 1.
@@ -40,7 +40,7 @@ fn scene(heaps: Vec<Vec<Sphere>>, receivers: Vec<(Vec3, Vec3)>) -> Scene {
             shape: Arc::new(shape),
             albedo: Rgb::ONE,
             texture: None,
-            emission: Rgb::ZERO,
+            emission: Emission::Even(Rgb::ZERO),
             casts: true,
             motion: Vec::new(),
             pivot: Vec3::ZERO,
@@ -52,7 +52,7 @@ fn scene(heaps: Vec<Vec<Sphere>>, receivers: Vec<(Vec3, Vec3)>) -> Scene {
         purpose: "tests".into(),
         content: Content::of(b"heaps"),
         objects: heaps.into_iter().map(object).collect(),
-        lights: vec![Light::Sky(Sky::Uniform(Rgb::ONE))],
+        lights: vec![Light::Sky(Sky::Uniform(Rgb::ONE)).into()],
         camera: None,
         placement: Placement::Points(Arc::new(receivers)),
         frame_count: 1,

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use ::image::{DynamicImage, ImageError, ImageReader, Limits};
 
 use super::HeightMap;
-use super::image::check_size;
+use super::image::{Image, check_size};
 use crate::check::Checker;
 use crate::{Rgb, SceneError, Texture};
 
@@ -13,10 +13,16 @@ use crate::{Rgb, SceneError, Texture};
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Colours in sRGB, made linear.
-pub(super) fn texture(check: Checker, field: &str, bytes: &[u8]) -> Result<Texture, SceneError> {
+pub(super) fn colours(check: Checker, field: &str, bytes: &[u8]) -> Result<Image, SceneError> {
     let picture = decode(check, field, bytes)?.into_rgb16();
     let texels = picture.pixels().map(|pixel| Rgb::from_array(pixel.0.map(|v| linear(f32::from(v) / 65535.0))));
-    Ok(Texture::new(picture.width() as usize, texels.collect()))
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    Ok(Image { width, height, texels: texels.collect() })
+}
+
+/// The same as a texture.
+pub(super) fn texture(check: Checker, field: &str, bytes: &[u8]) -> Result<Texture, SceneError> {
+    colours(check, field, bytes).map(|picture| Texture::new(picture.width, picture.texels))
 }
 
 /// Heights in units of the greatest that 8 or 16 bits hold: within [0, 1].
@@ -42,6 +48,6 @@ fn decode(check: Checker, field: &str, bytes: &[u8]) -> Result<DynamicImage, Sce
 }
 
 /// IEC 61966-2-1.
-fn linear(value: f32) -> f32 {
+pub(crate) fn linear(value: f32) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

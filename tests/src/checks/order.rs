@@ -23,7 +23,7 @@ fn clustered(case: &Case<'_>, bound: f32) -> Outcome {
     if let Quantity::Visibility { .. } = case.quantity {
         return Ok(Verdict::Exempt("the bound of clusters is on radiance"));
     }
-    let scene = relit(case.scene, vec![Light::Sky(Sky::Uniform(Rgb::ONE))]);
+    let scene = relit(case.scene, vec![Light::Sky(Sky::Uniform(Rgb::ONE)).into()]);
     let case = case.on(&scene);
     let frames: Vec<Frame> = case.frames.iter().map(of_unit_albedo).collect();
     regrouped(&case, &frames, |what, expected, found| {

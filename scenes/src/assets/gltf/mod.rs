@@ -2,9 +2,11 @@
 
 mod accessor;
 mod bytes;
+pub(crate) mod extras;
 mod hierarchy;
 mod material;
 mod primitive;
+pub(crate) mod survey;
 
 use std::sync::Arc;
 
@@ -13,7 +15,7 @@ use gltf::{Document, Gltf, Node};
 use crate::animation::{Playback, Skin};
 use crate::assets::Asset;
 use crate::check::Checker;
-use crate::{Mesh, Rgb, SceneError, Texture};
+use crate::{Emission, Mesh, Rgb, SceneError, Texture};
 
 use bytes::Buffers;
 
@@ -26,7 +28,9 @@ pub(crate) struct Part {
     pub(crate) animated: bool,
     pub(crate) albedo: Rgb,
     pub(crate) texture: Option<Texture>,
-    pub(crate) emission: Rgb,
+    pub(crate) emission: Emission,
+    /// What only files of ours say.
+    pub(crate) ours: extras::Node,
 }
 
 /// What is taken of a file.
@@ -60,7 +64,8 @@ pub(super) fn read(asset: &Asset, wanted: &Wanted, notices: &mut Vec<String>) ->
     for node in document.nodes().filter(|node| skeleton.shown[node.index()]) {
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
             if let Some(skin) = primitive::read(&file, &skeleton, &joints, &node, &primitive, wanted, notices)? {
-                parts.push(part(&file, &primitive, skin, &moved, notices)?);
+                let ours = extras::of(check, &place(&node), node.extras())?.unwrap_or_default();
+                parts.push(Part { ours, ..part(&file, &primitive, skin, &moved, notices)? });
             }
         }
     }
@@ -79,7 +84,7 @@ fn part(
 ) -> Result<Part, SceneError> {
     let animated = skin.bones.iter().any(|bone| moved.get(bone.joint) == Some(&true));
     let material::Look { albedo, texture, emission } = material::look(file, &primitive.material(), &mesh, notices)?;
-    Ok(Part { mesh, skin, animated, albedo, texture, emission })
+    Ok(Part { mesh, skin, animated, albedo, texture, emission, ours: extras::Node::default() })
 }
 
 /// One line of what may be several.

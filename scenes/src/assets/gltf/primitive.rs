@@ -44,7 +44,13 @@ pub(super) fn read(
         }
         _ => Skin::rigid(skeleton.clone(), nodes.joint_of[node.index()], positions, normals),
     };
-    let (positions, normals) = skin.posed(&skeleton.at_rest(), DAffine3::IDENTITY);
+    let joints = skeleton.at_rest();
+    // To the last bit, down to the signs of zeros: a model that was written from a scene is that scene's again.
+    if skin.palette(&joints, DAffine3::IDENTITY) == [DAffine3::IDENTITY] {
+        let (positions, normals) = (skin.positions.clone(), skin.normals.clone());
+        return Ok(Some((Mesh { positions, normals, uvs, triangles }, skin)));
+    }
+    let (positions, normals) = skin.posed(&joints, DAffine3::IDENTITY);
     let posed = Mesh { positions, normals, uvs, triangles };
     proper::mesh(file.check, posed.clone(), true)?;
     Ok(Some((posed, skin)))

@@ -1,4 +1,4 @@
-//! The product on the CPU, 16 receivers side by side.
+//! The product from left to right, 16 receivers side by side.
 
 use halflight_blockers::{Accumulator, Circles, Work, blocker_params, fill_open, params};
 use halflight_contract::{ParamSpec, Params};

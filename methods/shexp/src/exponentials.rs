@@ -1,0 +1,152 @@
+//! The exponentials that end sums of logs, 16 vectors side by side, with their parameters.
+
+use halflight_blockers::{blocker_params, params};
+use halflight_contract::{Kind, ParamSpec, Params, Phase};
+use halflight_sh::{self as sh, BatchExp, Block, SquaringRule};
+
+use crate::quadrature::Directions;
+
+/// Degree of the product series.
+const DEGREE: ParamSpec = ParamSpec {
+    name: "p",
+    kind: Kind::Int { min: 1, max: 20, default: 2 },
+    phase: Phase::Evaluate,
+    help: "degree p of the product series in PS*-p",
+};
+
+/// Degree of the plain series.
+const TERMS: ParamSpec = ParamSpec {
+    name: "p",
+    kind: Kind::Int { min: 1, max: 60, default: 21 },
+    phase: Phase::Evaluate,
+    help: "degree p of the product series in PS-p; deep umbras need more than 30",
+};
+
+/// Rings of directions.
+const RINGS: ParamSpec = ParamSpec {
+    name: "rings",
+    kind: Kind::Int { min: 4, max: 128, default: 32 },
+    phase: Phase::Evaluate,
+    help: "rings of directions at which the exponential is taken, twice as many on each",
+};
+
+/// Offset of the squaring count.
+const SQUARING: ParamSpec = ParamSpec {
+    name: "squaring",
+    kind: Kind::Float { min: -4.0, max: 8.0, default: 3.0 },
+    phase: Phase::Evaluate,
+    help: "offset c of the squaring count max(0, ⌊log2‖f̂‖ + c⌋); the paper prints 3",
+};
+
+/// An exponential of SHEXP with its setting.
+pub(crate) trait Exponential: Send + Sync {
+    /// All parameters of the variant.
+    const PARAMS: &'static [ParamSpec];
+    /// Setting from parameters.
+    fn new(params: &Params) -> Self;
+    /// Writes the exponentials of `log`, and the operations that each took to `spent`.
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]);
+}
+
+/// PS-p.
+pub(crate) struct PlainSeries {
+    degree: usize,
+}
+
+impl Exponential for PlainSeries {
+    const PARAMS: &'static [ParamSpec] = blocker_params!(TERMS, params::CUT, params::RATIO, params::CLUSTER);
+
+    fn new(params: &Params) -> Self {
+        PlainSeries { degree: params.int(TERMS.name) }
+    }
+
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
+        exp.product_series(self.degree, log, out, spent);
+    }
+}
+
+/// OL.
+pub(crate) struct LinearExp;
+
+impl Exponential for LinearExp {
+    const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER);
+
+    fn new(_: &Params) -> Self {
+        LinearExp
+    }
+
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
+        exp.optimal_linear(log, out, spent);
+    }
+}
+
+/// The exponential direction by direction.
+pub(crate) struct QuadratureExp {
+    directions: Directions,
+}
+
+impl Exponential for QuadratureExp {
+    const PARAMS: &'static [ParamSpec] = blocker_params!(RINGS, params::CUT, params::RATIO, params::CLUSTER);
+
+    fn new(params: &Params) -> Self {
+        QuadratureExp { directions: Directions::new(params.int(params::ORDER.name), params.int(RINGS.name)) }
+    }
+
+    fn exp(&self, _: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], _: &mut [sh::Work]) {
+        self.directions.exp(log, out);
+    }
+}
+
+/// PS*-p.
+pub(crate) struct SeriesExp {
+    degree: usize,
+    rule: SquaringRule,
+}
+
+impl Exponential for SeriesExp {
+    const PARAMS: &'static [ParamSpec] = blocker_params!(DEGREE, SQUARING, params::CUT, params::RATIO, params::CLUSTER);
+
+    fn new(params: &Params) -> Self {
+        SeriesExp { degree: params.int(DEGREE.name), rule: squaring(params) }
+    }
+
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
+        exp.scaled_series(self.degree, self.rule, log, out, spent);
+    }
+}
+
+/// HYB.
+pub(crate) struct HybridExp {
+    rule: SquaringRule,
+}
+
+impl Exponential for HybridExp {
+    const PARAMS: &'static [ParamSpec] = blocker_params!(SQUARING, params::CUT, params::RATIO, params::CLUSTER);
+
+    fn new(params: &Params) -> Self {
+        HybridExp { rule: squaring(params) }
+    }
+
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
+        exp.hybrid(self.rule, log, out, spent);
+    }
+}
+
+/// The eigen-exponential.
+pub(crate) struct EigenExp;
+
+impl Exponential for EigenExp {
+    const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER);
+
+    fn new(_: &Params) -> Self {
+        EigenExp
+    }
+
+    fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
+        exp.eigen(log, out, spent);
+    }
+}
+
+fn squaring(params: &Params) -> SquaringRule {
+    SquaringRule { offset: params.float(SQUARING.name) }
+}
