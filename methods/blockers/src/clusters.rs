@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 use halflight_scenes::{Receivers, Revision};
 use halflight_sh::LANES;
+use rayon::prelude::*;
 
 /// Receivers in clusters, found once for a revision of receivers.
 ///
@@ -69,7 +70,8 @@ impl Clusters {
         self.members = entries.iter().map(|entry| entry.receiver).collect();
         let mut ranges = Vec::new();
         split(0..entries.len(), size, &mut ranges);
-        self.clusters = ranges.into_iter().map(|members| Cluster::new(receivers, &self.members, members)).collect();
+        let cluster = |members| Cluster::new(receivers, &self.members, members);
+        self.clusters = ranges.into_par_iter().map(cluster).collect();
     }
 
     /// The receivers of a cluster.

@@ -190,3 +190,83 @@ impl View<'_> {
         circle.filter(|circle| circle.sin_angle >= self.gather.min_sin_angle)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use halflight_scenes::{Layout, Revision};
+
+    use super::*;
+    use crate::clusters::Clusters;
+
+    fn wave(i: usize, phase: f32) -> f32 {
+        (i as f32 * 2.399 + phase).sin()
+    }
+
+    /// Receivers on a globe that spheres surround, and a forest of those.
+    fn scene() -> (Receivers, Vec<Sphere>, Hierarchy) {
+        let normal = |i: usize| Vec3::new(wave(i, 0.0), wave(3 * i, 1.0), wave(7 * i, 2.0)).normalize();
+        let normals: Vec<Vec3> = (0..500).map(normal).collect();
+        let receivers = Receivers {
+            layout: Layout::List,
+            position: normals.iter().map(|normal| 0.5 * *normal).collect(),
+            geometric_normal: normals.clone(),
+            normal: normals,
+            albedo: Vec::new(),
+            valid: vec![true; 500],
+            place: Vec::new(),
+            revision: Revision(0),
+        };
+        let sphere = |i: usize| Sphere {
+            center: 6.0 * Vec3::new(wave(i, 3.0), wave(5 * i, 4.0), wave(9 * i, 5.0)),
+            radius: 0.1 + 0.3 * wave(i, 6.0).abs(),
+        };
+        let spheres: Vec<Sphere> = (0..200).map(sphere).collect();
+        let hierarchy = Hierarchy::new(&spheres);
+        (receivers, spheres, hierarchy)
+    }
+
+    fn circle(gather: &Gather, receivers: &Receivers, receiver: usize, sphere: &Sphere) -> Option<Circle> {
+        let (position, normal) = (receivers.position[receiver], receivers.geometric_normal[receiver]);
+        let circle = seen(gather.self_shadow, position, normal, sphere);
+        circle.filter(|circle| circle.sin_angle >= gather.min_sin_angle)
+    }
+
+    #[test]
+    fn a_cut_holds_what_is_seen_once_and_parents_below_the_angle_only() {
+        let (receivers, spheres, hierarchy) = scene();
+        let mut bounds = Vec::new();
+        hierarchy.bounds(&spheres, &mut bounds);
+        let forest = Forest { hierarchy: &hierarchy, bounds: &bounds, spheres: &spheres };
+        let rule = Rule { max_sin_angle: 25f32.to_radians().sin(), ratios: true };
+        let mut clusters = Clusters::default();
+        clusters.update(&receivers, 32);
+        let (mut parents, mut hidden) = (0, 0);
+        for self_shadow in [SelfShadow::Continuous, SelfShadow::Paper, SelfShadow::Off] {
+            for min_sin_angle in [0.0, 0.04] {
+                let gather = Gather { self_shadow, min_sin_angle };
+                for cluster in &clusters.clusters {
+                    let central = [receivers.position[cluster.central], receivers.geometric_normal[cluster.central]];
+                    let nodes = forest.select(&View { rule, gather, cluster, central });
+                    let mut held = vec![0; spheres.len()];
+                    for &node in &nodes.accepted {
+                        hierarchy.spheres(node).iter().for_each(|&sphere| held[sphere as usize] += 1);
+                        for &receiver in clusters.members(cluster).iter().filter(|_| !hierarchy.is_leaf(node)) {
+                            let to = bounds[node].center - receivers.position[receiver];
+                            assert!(bounds[node].radius < rule.max_sin_angle * to.length() * 1.000_01);
+                            let behind = to.dot(receivers.geometric_normal[receiver]) <= -bounds[node].radius;
+                            assert!(!behind || self_shadow == SelfShadow::Off);
+                            parents += 1;
+                        }
+                    }
+                    for (sphere, &times) in spheres.iter().zip(&held) {
+                        let members = clusters.members(cluster);
+                        let seen = members.iter().any(|&one| circle(&gather, &receivers, one, sphere).is_some());
+                        assert!(times == 1 || (times == 0 && !seen), "held {times} times");
+                        hidden += usize::from(times == 0);
+                    }
+                }
+            }
+        }
+        assert!(parents > 1000 && hidden > 1000, "{parents} views of parents, {hidden} spheres left out");
+    }
+}

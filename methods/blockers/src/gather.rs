@@ -85,10 +85,11 @@ impl Gather {
         let bands = ratios.len() / spheres.len().max(1);
         for (number, spheres) in spheres.chunks(SPHERES).enumerate() {
             let mut counts = Counts::default();
-            let ratios = &ratios[number * SPHERES * bands..][..spheres.len() * bands];
-            let (circles, counts_of) = (&mut circles, &mut counts);
-            let first = (number * SPHERES) as u32;
-            run(simd, Seen { gather: *self, group: &group, spheres, first, ratios, circles, counts: counts_of });
+            let (group, circles, first) = (&group, &mut circles, (number * SPHERES) as u32);
+            run(simd, Seen { gather: *self, group, spheres, first, circles, counts: &mut counts });
+            let Circles { places, ratios: kept, .. } = circles;
+            kept.clear();
+            places.iter().for_each(|&place| kept.extend_from_slice(&ratios[place as usize * bands..][..bands]));
             blockers.iter_mut().zip(counts.accumulated.0).for_each(|(sum, count)| *sum += count as u32);
             for lane in 0..numbers.len() {
                 let (accumulated, too_small) = (counts.accumulated.0[lane] as u64, counts.too_small.0[lane] as u64);
@@ -97,7 +98,7 @@ impl Gather {
                 tally.removed += spheres.len() as u64 - accumulated - too_small;
             }
             if !circles.sines.is_empty() {
-                accumulate(&circles);
+                accumulate(circles);
             }
         }
         blockers
@@ -166,9 +167,24 @@ mod tests {
             let numbers: Vec<usize> = (0..receivers.position.len()).collect();
             for group in numbers.chunks(LANES) {
                 let (mut tally, mut circles) = (Tally::default(), vec![Vec::new(); LANES]);
-                let blockers = Blockers { spheres: &spheres, ratios: &[] };
+                // Factors that tell whose they are.
+                let ratios: Vec<f32> = (0..spheres.len()).flat_map(|number| [number as f32, 0.5]).collect();
+                let blockers = Blockers { spheres: &spheres, ratios: &ratios };
                 let counts = gather.circles_by(simd, &receivers, group, blockers, &mut tally, |seen| {
                     assert_eq!(seen.axes.len(), seen.sines.len());
+                    assert_eq!(2 * seen.axes.len(), seen.ratios.len());
+                    for (sines, ratios) in seen.sines.iter().zip(seen.ratios.chunks_exact(2)) {
+                        let sphere = &spheres[ratios[0] as usize];
+                        let expected = group.iter().map(|&receiver| {
+                            let (position, normal) =
+                                (receivers.position[receiver], receivers.geometric_normal[receiver]);
+                            expected(&gather, position, normal, std::slice::from_ref(sphere)).0
+                        });
+                        for (circle, sine) in expected.zip(sines.0) {
+                            assert_eq!(circle.first().map_or(0.0, |circle| circle.sin_angle), sine);
+                        }
+                        assert_eq!(ratios[1], 0.5);
+                    }
                     for (axes, sines) in seen.axes.iter().zip(&seen.sines) {
                         assert!(sines.0.iter().any(|sine| *sine > 0.0), "a sphere that nobody sees");
                         for (lane, list) in circles.iter_mut().enumerate() {

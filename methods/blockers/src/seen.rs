@@ -55,8 +55,6 @@ pub(crate) struct Seen<'a> {
     pub(crate) spheres: &'a [Sphere],
     /// Place of the first of them among all.
     pub(crate) first: u32,
-    /// As many factors a sphere as there are bands, or none.
-    pub(crate) ratios: &'a [f32],
     pub(crate) circles: &'a mut Circles,
     pub(crate) counts: &'a mut Counts,
 }
@@ -64,12 +62,10 @@ pub(crate) struct Seen<'a> {
 impl Task<f32> for Seen<'_> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
-        let Circles { axes, sines, places, ratios } = self.circles;
+        let Circles { axes, sines, places, .. } = self.circles;
         places.clear();
         axes.resize(self.spheres.len(), [Block::ZERO; 3]);
         sines.resize(self.spheres.len(), Block::ZERO);
-        let bands = self.ratios.len() / self.spheres.len().max(1);
-        ratios.resize(self.ratios.len(), 0.0);
         let (zero, one) = (V::constant(0.0), V::constant(1.0));
         let least = V::splat(self.gather.min_sin_angle);
         let mut kept = 0;
@@ -88,7 +84,6 @@ impl Task<f32> for Seen<'_> {
                 counted.store(&mut sines[kept].0, part);
                 seen |= zero.any_less(counted);
             }
-            ratios[kept * bands..][..bands].copy_from_slice(&self.ratios[number * bands..][..bands]);
             if seen {
                 places.push(self.first + number as u32);
                 kept += 1;
@@ -96,7 +91,6 @@ impl Task<f32> for Seen<'_> {
         }
         axes.truncate(kept);
         sines.truncate(kept);
-        ratios.truncate(kept * bands);
     }
 }
 
