@@ -1,11 +1,14 @@
 //! Files that a scene names: read, checked against their hash, decoded by extension.
 
 mod bvh;
+mod color;
 mod gltf;
 mod height_map;
 mod image;
 mod obj;
 mod off;
+#[cfg_attr(not(feature = "oiio"), path = "assets/without_oiio.rs")]
+mod oiio;
 mod picture;
 mod ply;
 mod points;
@@ -18,12 +21,13 @@ use std::path::{Component, Path, PathBuf};
 use glam::Vec3;
 
 use crate::check::Checker;
-use crate::{Content, Mesh, SceneError};
+use crate::{Content, Mesh, SceneError, Texture};
 
 pub(crate) use bvh::Capture;
 pub(crate) use gltf::{Part, Wanted};
 pub(crate) use height_map::HeightMap;
 pub(crate) use image::Image;
+pub use oiio::open_image_io;
 pub use points::read_points_csv;
 
 /// The folder that a scene's asset paths start from.
@@ -117,13 +121,22 @@ impl Asset {
         }
     }
 
-    /// A picture of radiance.
-    pub(crate) fn image(&self) -> Result<Image, SceneError> {
+    /// A picture of radiance. What our own decoders read, they read whether or not OpenImageIO is built in.
+    pub(crate) fn image(&self, notices: &mut Vec<String>) -> Result<Image, SceneError> {
         let check = self.check();
         match self.extension().as_str() {
-            "exr" => image::read_exr(check, &self.bytes),
-            "hdr" => image::read_hdr(check, &self.bytes),
-            other => Err(check.invalid("extension", "a picture as .exr or .hdr", other)),
+            "exr" => image::read_exr(check, &self.bytes, notices),
+            "hdr" => image::read_hdr(check, &self.bytes, notices),
+            "png" | "jpg" | "jpeg" => picture::colors(check, "picture", &self.bytes),
+            _ => oiio::image(check, notices),
+        }
+    }
+
+    /// A picture of reflectances; `field` is what asks for it.
+    pub(crate) fn texture(&self, field: &str, notices: &mut Vec<String>) -> Result<Texture, SceneError> {
+        match picture::knows(&self.bytes) {
+            true => picture::texture(self.check(), field, &self.bytes),
+            false => picture::reflectances(self.check(), oiio::colors(self.check())?, notices),
         }
     }
 
@@ -133,7 +146,7 @@ impl Asset {
         match self.extension().as_str() {
             "exr" => height_map::read_exr(check, &self.bytes),
             "png" => picture::heights(check, &self.bytes),
-            other => Err(check.invalid("extension", "a picture of heights as .exr or .png", other)),
+            _ => oiio::heights(check),
         }
     }
 

@@ -45,7 +45,7 @@ impl Scene {
         let assets = Assets::beside(path);
         let mut notices = Vec::new();
         let objects = objects::load(check, &assets, &file.objects, &mut notices)?;
-        let lights = lights::load(check, &assets, &file.lights)?;
+        let lights = lights::load(check, &assets, &file.lights, &mut notices)?;
         let lit = !lights.is_empty() || objects.iter().any(crate::Object::emits);
         check.ensure(lit, "lights", "at least one light, or an object with emission", lights.len())?;
         let camera = file.camera.as_ref().map(|camera| load_camera(check, camera)).transpose()?;

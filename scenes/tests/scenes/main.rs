@@ -8,6 +8,7 @@ mod identity;
 mod lights;
 mod models;
 mod mutations;
+mod oiio;
 mod readme;
 mod receivers;
 mod resolution;

@@ -27,7 +27,7 @@ pub(super) fn look(
         notices.push(format!("{}: {place}: emissive texture left out", file.check.file.display()));
     }
     let texture = match base.base_color_texture() {
-        Some(info) if !mesh.uvs.is_empty() && info.tex_coord() == 0 => Some(texture(file, &info.texture())?),
+        Some(info) if !mesh.uvs.is_empty() && info.tex_coord() == 0 => Some(texture(file, &info.texture(), notices)?),
         Some(_) => {
             notices.push(format!("{}: {place}: texture without its coordinates left out", file.check.file.display()));
             None
@@ -41,11 +41,14 @@ pub(super) fn look(
     })
 }
 
-fn texture(file: &File, texture: &gltf::Texture) -> Result<Texture, SceneError> {
+fn texture(file: &File, texture: &gltf::Texture, notices: &mut Vec<String>) -> Result<Texture, SceneError> {
     let image = texture.source();
     let field = format!("images[{}]", image.index());
     match image.source() {
         Source::View { view, .. } => picture::texture(file.check, &field, file.buffers.view(file.check, &view)?),
+        Source::Uri { uri, .. } if !uri.starts_with("data:") => {
+            super::bytes::beside(file.asset, &field, uri)?.texture(&field, notices)
+        }
         Source::Uri { uri, .. } => {
             let bytes = super::bytes::fetch(file.asset, &field, uri)?;
             picture::texture(file.check, &field, &bytes)
