@@ -60,8 +60,13 @@ const SHORT: f32 = 1e-4;
 impl Emitters {
     pub(crate) fn new(traced: &Traced) -> Self {
         let mut all = Vec::new();
-        for (object, shape, radiance, solid) in traced.emitting() {
-            let mut add = |primitive, form| all.push(Emitter { form, radiance, object, primitive, solid });
+        for (object, shape, emission, solid) in traced.emitting() {
+            let mut add = |primitive: u32, form| {
+                let radiance = emission.of(primitive as usize);
+                if radiance != Rgb::ZERO {
+                    all.push(Emitter { form, radiance, object, primitive, solid });
+                }
+            };
             let mut triangles =
                 |mesh: &Mesh| (0..mesh.triangles.len()).for_each(|i| add(i as u32, Form::Triangle(mesh.corners(i))));
             match shape {

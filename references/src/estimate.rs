@@ -98,14 +98,21 @@ pub(crate) fn visibility(
 fn distant(request: &Request<'_>, cache: &Cache, meter: &mut dyn Meter) -> Result<(Arc<Emission>, Unoccluded)> {
     let params = Params::default();
     let job = Job::new(request.scene, &params, request.seed, Backend::Cpu, cache);
-    let lights = &request.scene.lights;
     Ok(match request.reference.sh_light() {
         Some(order) => {
-            let light = job.derive(&LightOf { order }, meter)?;
+            let light = Arc::new(job.derive(&LightOf { order }, meter)?.at(request.frame.time).into_owned());
             (Arc::new(Emission::Harmonics(light.clone())), Unoccluded::Harmonics(light))
         }
-        None => (Arc::new(Emission::Lights(Lights::new(lights))), Unoccluded::of(lights)),
+        None => {
+            let lights = lights(request);
+            (Arc::new(Emission::Lights(Lights::new(&lights))), Unoccluded::of(&lights))
+        }
     })
+}
+
+/// The distant lights as they are at the frame's time.
+fn lights(request: &Request<'_>) -> Vec<Light> {
+    request.frame.lights().cloned().collect()
 }
 
 fn transport(
@@ -122,7 +129,7 @@ fn transport(
         return Ok(Transport::ShVisibility(Box::new(ShVisibility { order, emission, visibility, unoccluded })));
     }
     if reference.mean_visibility() {
-        let keys = request.scene.lights.iter().filter_map(|light| match light {
+        let keys = request.frame.lights().filter_map(|light| match light {
             Light::Key(key) => Some(*key),
             _ => None,
         });
@@ -160,7 +167,7 @@ fn transport(
 /// the objects that emit with nothing in the way; mean of the channels.
 fn level(request: &Request<'_>, emitters: &Emitters) -> f64 {
     let receivers = &request.frame.receivers;
-    let distant = Lights::new(&request.scene.lights).level();
+    let distant = Lights::new(&lights(request)).level();
     let valid: Vec<usize> = (0..receivers.len()).filter(|i| receivers.valid[*i]).collect();
     let some: Vec<usize> = valid.iter().step_by(valid.len().div_ceil(LEVEL_RECEIVERS).max(1)).copied().collect();
     let open = |i: &usize| emitters.open(receivers.position[*i], receivers.normal[*i]).element_sum() / 3.0;

@@ -1,7 +1,7 @@
 //! What is asked for.
 
 use halflight_contract::Quantity;
-use halflight_scenes::{Content, Frame, PosedObject, Scene};
+use halflight_scenes::{Content, Emission, Frame, PosedObject, Scene};
 
 use crate::{Error, Quality, REVISION, Reference, Result};
 
@@ -55,7 +55,7 @@ impl Request<'_> {
             ),
         ];
         parts.extend(self.frame.objects.iter().filter_map(|posed| self.part(posed)));
-        parts.extend(self.scene.lights.iter().map(|light| format!("light {}", light.content())));
+        parts.extend(self.frame.lights().map(|light| format!("light {}", light.content())));
         Content::of_parts(parts.iter().map(String::as_bytes)).to_string()
     }
 
@@ -70,7 +70,11 @@ impl Request<'_> {
         let reflects = object.casts && self.quantity != Quantity::Direct;
         let texture = object.texture.as_ref().map_or(String::new(), |texture| texture.content().to_string());
         let albedo = if reflects { bits(&object.albedo.to_array()) + &texture } else { String::new() };
-        let (emission, left_out) = (bits(&object.emission.to_array()), self.reference.leaves_out(&object.name));
+        let emission = match &object.emission {
+            Emission::Even(radiance) => bits(&radiance.to_array()),
+            triangles => triangles.content().to_string(),
+        };
+        let left_out = self.reference.leaves_out(&object.name);
         let (content, casts) = (posed.content, object.casts);
         Some(format!("object {content} {} {} casts {casts} {emission} {albedo} {left_out}", bits(&turn), bits(&shift)))
     }

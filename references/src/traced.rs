@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use halflight_scenes::{Frame, Mesh, Pose, PosedObject, Rgb, Scene, Shape, Texture, Which};
+use halflight_scenes::{Emission, Frame, Mesh, Pose, PosedObject, Rgb, Scene, Shape, Texture, Which};
 use halflight_trace::{Hit, Ray, World, clearance, clearance_of_point};
 
 use crate::Reference;
@@ -23,7 +23,7 @@ struct Body {
     reach: f32,
     albedo: Rgb,
     texture: Option<Texture>,
-    emission: Rgb,
+    emission: Emission,
 }
 
 /// Where a ray has hit something.
@@ -50,7 +50,7 @@ impl Traced {
     pub(crate) fn new(scene: &Scene, frame: &Frame, reference: &Reference) -> Self {
         let body = |posed: &PosedObject| {
             let object = &scene.objects[posed.object];
-            let lit = if reference.leaves_out(&object.name) { 0.0 } else { 1.0 };
+            let left_out = reference.leaves_out(&object.name);
             Body {
                 shape: match posed.pose == Pose::IDENTITY {
                     true => posed.shape.clone(),
@@ -58,9 +58,9 @@ impl Traced {
                 },
                 casts: object.casts,
                 reach: reach(&posed.shape) + posed.pose.translation.length(),
-                albedo: lit * object.albedo,
+                albedo: if left_out { Rgb::ZERO } else { object.albedo },
                 texture: object.texture.clone(),
-                emission: lit * object.emission,
+                emission: if left_out { Emission::NONE } else { object.emission.clone() },
             }
         };
         Traced { world: scene.world(frame, Which::Casters), objects: frame.objects.iter().map(body).collect() }
@@ -98,14 +98,14 @@ impl Traced {
             object: hit.geometry,
             primitive: hit.primitive,
             albedo: body.albedo_at(hit),
-            emission: if front { body.emission } else { Rgb::ZERO },
+            emission: if front { body.emission.of(hit.primitive as usize) } else { Rgb::ZERO },
         }
     }
 
     /// Objects that emit: index, shape, radiance, and whether rays can hit them.
-    pub(crate) fn emitting(&self) -> impl Iterator<Item = (u32, &Shape, Rgb, bool)> {
-        let all = (0..).zip(&self.objects).filter(|(_, body)| body.emission != Rgb::ZERO);
-        all.map(|(index, body)| (index, &*body.shape, body.emission, body.casts))
+    pub(crate) fn emitting(&self) -> impl Iterator<Item = (u32, &Shape, &Emission, bool)> {
+        let all = (0..).zip(&self.objects).filter(|(_, body)| !body.emission.is_none());
+        all.map(|(index, body)| (index, &*body.shape, &body.emission, body.casts))
     }
 }
 

@@ -95,7 +95,7 @@ fn mean_visibility_is_by_area_times_unoccluded_light() {
     let mut lamp = plate(2.0, 0.5);
     let Shape::Mesh(mesh) = std::sync::Arc::make_mut(&mut lamp.shape) else { unreachable!("a mesh") };
     mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-    let lamp = Object { emission: Rgb::splat(3.0), ..lamp };
+    let lamp = Object { emission: Rgb::splat(3.0).into(), ..lamp };
     let points: Vec<_> = (0..25).map(|i| (Vec3::new(i as f32 * 0.08 - 1.0, 0.1, 0.0), Vec3::Z)).collect();
     let scene = scene(vec![lamp, plate(1.0, 0.3)], vec![], &points);
     let estimate = run("mean-visibility", &scene, &Quality::fixed(1024), 2);
@@ -201,7 +201,7 @@ fn narrow() -> Object {
 #[test]
 fn what_a_scene_or_quantity_has_no_reference_for_is_refused() {
     let lit = scene(vec![plate(0.0, 1.0)], vec![sky(1.0)], &[(Vec3::Z, Vec3::Z)]);
-    let lamp = Object { emission: Rgb::ONE, ..plate(2.0, 1.0) };
+    let lamp = Object { emission: Rgb::ONE.into(), ..plate(2.0, 1.0) };
     let lamps = scene(vec![lamp], vec![], &[(Vec3::Z, Vec3::Z)]);
     let one = Quantity::Indirect { bounces: 1 };
     let refused = [

@@ -5,11 +5,11 @@ mod support;
 use glam::{DVec3, Vec2, Vec3};
 use halflight_contract::Quantity;
 use halflight_references::{Estimate, Quality, analytic};
-use halflight_scenes::{Grid, Object, Placement, Rgb, Scene, Shape};
+use halflight_scenes::{Emission, Grid, Object, Placement, Rgb, Scene, Shape};
 use support::*;
 
 fn lamp(shape: Object, radiance: f32) -> Object {
-    Object { emission: Rgb::splat(radiance), albedo: Rgb::ZERO, ..shape }
+    Object { emission: Rgb::splat(radiance).into(), albedo: Rgb::ZERO, ..shape }
 }
 
 /// A plate that shines downwards.
@@ -117,6 +117,71 @@ fn many_small_emitters_add_up_to_a_disc() {
     // The polygon's area is that of the disc but for 0.16%, which is below the errors.
     assert_z(&estimate, |_| 2.0 * analytic::disc_over_point(f64::from(radius), f64::from(height)) * 0.9992, "disc");
     assert!(estimate.variance.iter().all(|v| v.x.sqrt() < 3e-3));
+}
+
+/// A square lamp that faces down, cut into cells of their own radiance.
+fn mosaic(cells: i32, radiance: impl Fn(i32, i32) -> Rgb) -> Object {
+    let side = |i: i32| (2.0 * i as f32 / cells as f32 - 1.0) * 0.7;
+    let mut lamp = ceiling_lamp(1.2, 0.7, 1.0);
+    let Shape::Mesh(mesh) = std::sync::Arc::make_mut(&mut lamp.shape) else { unreachable!("a mesh") };
+    let corners = (0..=cells).flat_map(|y| (0..=cells).map(move |x| (x, y)));
+    mesh.positions = corners.map(|(x, y)| Vec3::new(side(x), side(y), 1.2)).collect();
+    mesh.normals = vec![-Vec3::Z; mesh.positions.len()];
+    let number = |x: i32, y: i32| (y * (cells + 1) + x) as u32;
+    let squares: Vec<(i32, i32)> = (0..cells * cells).map(|i| (i % cells, i / cells)).collect();
+    let two = |(x, y): &(i32, i32)| {
+        let [a, b, c, d] = [number(*x, *y), number(*x, y + 1), number(x + 1, y + 1), number(x + 1, *y)];
+        [[a, b, c], [a, c, d]]
+    };
+    mesh.triangles = squares.iter().flat_map(two).collect();
+    let emission =
+        Emission::Triangles(std::sync::Arc::new(squares.iter().flat_map(|(x, y)| [radiance(*x, *y); 2]).collect()));
+    Object { emission, content: lamp.shape.content(), ..lamp }
+}
+
+/// Few cells, which are weighed at each receiver, and many, which are chosen by their power; some are dark.
+#[test]
+fn each_cell_of_a_picture_gives_its_own_light() {
+    for cells in [3, 8] {
+        let radiance = |x: i32, y: i32| if (x + y) % 3 == 0 { 0.0 } else { 1.0 + (x * x + 2 * y) as f32 };
+        let points = points(12);
+        let scene = scene(vec![mosaic(cells, |x, y| Rgb::splat(radiance(x, y)))], vec![], &points);
+        let exact = |i: usize| {
+            let side = |i: i32| (2.0 * f64::from(i) / f64::from(cells) - 1.0) * 0.7;
+            let cell = |x: i32, y: i32| {
+                let at = |x: i32, y: i32| DVec3::new(side(x), side(y), 1.2) - points[i].0.as_dvec3();
+                let corners = [at(x, y), at(x, y + 1), at(x + 1, y + 1), at(x + 1, y)];
+                f64::from(radiance(x, y)) * analytic::polygon_over_receiver(&corners, points[i].1.as_dvec3())
+            };
+            (0..cells * cells).map(|i| cell(i % cells, i / cells)).sum()
+        };
+        assert_z(&run("truth", &scene, &Quality::fixed(4096), 3), exact, "mosaic");
+    }
+}
+
+/// Paths meet the cells as well: a bounce under a mosaic is that under its cells as lamps of their own.
+#[test]
+fn paths_find_the_radiance_of_the_cell_that_they_hit() {
+    let colour = |x: i32, y: i32| Rgb::new(x as f32, y as f32, 1.0);
+    let (floor, wall) = (plate(0.0, 2.0), spheres(&[(Vec3::new(1.6, 0.2, 0.5), 0.4)]));
+    let points: Vec<_> = points(8).into_iter().map(|(p, _)| (0.5 * p + 0.3 * Vec3::Z, -Vec3::Z)).collect();
+    let whole = scene(vec![mosaic(2, colour), floor.clone(), wall.clone()], vec![], &points);
+    let alone = |one: i32| {
+        let cell = mosaic(2, |x, y| if x + 2 * y == one { colour(x, y) } else { Rgb::ZERO });
+        Object { casts: one == 0, ..cell }
+    };
+    let cells = scene((0..4).map(alone).chain([floor, wall]).collect(), vec![], &points);
+    let quality = Quality::fixed(16384);
+    let [a, b] = [&whole, &cells].map(|scene| run_of(Quantity::Indirect { bounces: 1 }, "truth", scene, &quality, 5));
+    let [a, b] = [a, b].map(|estimate| estimate.expect("an estimate"));
+    let mut worst = 0f32;
+    for i in 0..points.len() {
+        let sigma = (a.variance[i] + b.variance[i]).to_array().map(f32::sqrt);
+        let differences = (a.mean[i] - b.mean[i]).to_array();
+        worst = differences.iter().zip(sigma).map(|(d, s)| d.abs() / s.max(1e-5)).fold(worst, f32::max);
+        assert!(a.mean[i].min_element() > 0.01, "light arrives: {}", a.mean[i]);
+    }
+    assert!(worst < 5.0, "{worst} standard errors");
 }
 
 /// A sphere between a square lamp and the receivers, against quadrature over the lamp.

@@ -117,7 +117,7 @@ fn a_scaled_swapped_or_shifted_picture_is_rejected() {
     let cell = |i: i32| (i as f32 + 0.5) / side as f32 * 5.0 - 2.5;
     let points: Vec<_> = (0..side * side).map(|i| (Vec3::new(cell(i % side), cell(i / side), 0.0), Vec3::Z)).collect();
     let (Scene { objects, lights, .. }, _) = key_light_and_overcast();
-    let scene = scene(objects, lights, &points);
+    let scene = scene(objects, lights.into_iter().map(|light| light.rest).collect(), &points);
     let [a, b] = [1, 2].map(|seed| run("truth", &scene, &Quality { min_samples: 1024, ..Quality::default() }, seed));
     let honest = compare(&a, &b);
     assert!(honest.passes(0.01) && honest.receivers == points.len(), "{} {}", honest.family_p, honest.bias_p);

@@ -17,7 +17,7 @@ fn square(corners: [Vec3; 4], albedo: f32, emission: f32) -> Object {
         uvs: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
     };
-    Object { albedo: Rgb::splat(albedo), emission: Rgb::splat(emission), ..object(Shape::Mesh(mesh)) }
+    Object { albedo: Rgb::splat(albedo), emission: Rgb::splat(emission).into(), ..object(Shape::Mesh(mesh)) }
 }
 
 /// A cube of side 2 seen from inside: six walls with their fronts inwards.

@@ -151,8 +151,8 @@ fn a_key_changes_with_what_counts_and_with_nothing_else() {
     };
     with("shape", &|scene| scene.objects[0] = spheres(&[(Vec3::new(0.0, 0.0, 0.7), 0.6)]));
     with("casting", &|scene| scene.objects[1].casts = true);
-    with("emission", &|scene| scene.objects[1].emission = Rgb::X);
-    with("light", &|scene| scene.lights[0] = sky(2.0));
+    with("emission", &|scene| scene.objects[1].emission = Rgb::X.into());
+    with("light", &|scene| scene.lights[0] = sky(2.0).into());
     with("receivers", &|scene| *scene = scene.with_receivers(&[(Vec3::ZERO, Vec3::Z)]));
     with("pose", &|scene| {
         scene.objects[0].motion = vec![(0.0, Pose { rotation: Quat::IDENTITY, translation: Vec3::X })];

@@ -41,7 +41,11 @@ fn one_and_two_threads_agree_and_seeds_do_not() {
 #[test]
 fn receivers_at_one_place_have_errors_of_their_own() {
     let Scene { objects, lights, .. } = busy();
-    let scene = scene(objects, lights, &[(Vec3::new(-0.5, 0.4, 0.0), Vec3::Z); 100]);
+    let scene = scene(
+        objects,
+        lights.into_iter().map(|light| light.rest).collect(),
+        &[(Vec3::new(-0.5, 0.4, 0.0), Vec3::Z); 100],
+    );
     let estimate = run("truth", &scene, &Quality::fixed(64), 1);
     let mut means: Vec<u32> = estimate.mean.iter().map(|mean| mean.x.to_bits()).collect();
     means.sort_unstable();
@@ -51,7 +55,7 @@ fn receivers_at_one_place_have_errors_of_their_own() {
 
 #[test]
 fn sh_light_of_a_uniform_sky_is_truth() {
-    let scene = Scene { lights: vec![sky(1.0)], ..busy() };
+    let scene = Scene { lights: vec![sky(1.0).into()], ..busy() };
     let (truth, sh) =
         (run("truth", &scene, &Quality::fixed(1024), 1), run("sh-light:4", &scene, &Quality::fixed(1024), 1));
     let mut sum = 0.0;

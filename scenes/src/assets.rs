@@ -24,11 +24,15 @@ use crate::check::Checker;
 use crate::{Content, Mesh, SceneError, Texture};
 
 pub(crate) use bvh::Capture;
+pub(crate) use color::linear;
+pub(crate) use gltf::extras;
+pub(crate) use gltf::survey::{Punctual, Shines, Survey, View};
 pub(crate) use gltf::{Part, Wanted};
 pub(crate) use height_map::HeightMap;
 pub(crate) use image::Image;
 pub use oiio::open_image_io;
 pub use points::read_points_csv;
+pub(crate) use proper::Mended;
 
 /// The folder that a scene's asset paths start from.
 pub(crate) struct Assets<'a> {
@@ -41,7 +45,7 @@ impl<'a> Assets<'a> {
     }
 
     /// The path of a file in the scene's folder or below: who opens a stranger's scene opens nothing else.
-    fn within(&self, field: &str, file: &str) -> Result<PathBuf, SceneError> {
+    pub(crate) fn within(&self, field: &str, file: &str) -> Result<PathBuf, SceneError> {
         let named = Path::new(file);
         let inside = named.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
         let check = Checker { file: self.scene };
@@ -87,8 +91,8 @@ pub(crate) struct Asset {
 }
 
 impl Asset {
-    /// A checked mesh, and how many triangles without area were dropped.
-    pub(crate) fn mesh(&self, weld: bool, drop_degenerate: bool) -> Result<(Mesh, usize), SceneError> {
+    /// A checked mesh, and what was mended of it.
+    pub(crate) fn mesh(&self, weld: bool, drop_degenerate: bool) -> Result<(Mesh, Mended), SceneError> {
         let check = self.check();
         let raw = match self.extension().as_str() {
             "obj" => obj::read(check, &self.bytes),
@@ -102,15 +106,27 @@ impl Asset {
 
     /// The meshes of a glTF file.
     pub(crate) fn gltf(&self, wanted: &Wanted, notices: &mut Vec<String>) -> Result<Vec<Part>, SceneError> {
+        self.of_gltf(|| gltf::read(self, wanted, notices))
+    }
+
+    /// What a glTF file holds besides meshes.
+    pub(crate) fn survey(&self) -> Result<Survey, SceneError> {
+        self.of_gltf(|| gltf::survey::survey(self))
+    }
+
+    fn of_gltf<T>(&self, read: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneError> {
         match self.extension().as_str() {
             // The crate's validation lets some enumerations pass that it later unwraps.
-            "gltf" | "glb" => {
-                catch_unwind(AssertUnwindSafe(|| gltf::read(self, wanted, notices))).unwrap_or_else(|_| {
-                    Err(self.check().malformed("glTF", "expected names and numbers that glTF 2.0 knows"))
-                })
-            }
+            "gltf" | "glb" => catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| {
+                Err(self.check().malformed("glTF", "expected names and numbers that glTF 2.0 knows"))
+            }),
             other => Err(self.check().invalid("extension", "a model as .gltf or .glb", other)),
         }
+    }
+
+    /// Hash of the file.
+    pub(crate) fn content(&self) -> Content {
+        Content::of(&self.bytes)
     }
 
     /// Captured motion.

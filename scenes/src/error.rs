@@ -1,6 +1,6 @@
 //! What can be wrong with a scene and its files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a scene cannot be loaded: one line that names the file, the field and what was expected.
 #[derive(Debug, thiserror::Error)]
@@ -9,6 +9,14 @@ pub enum SceneError {
     #[error("{}: expected a readable file: {reason}", file.display())]
     Unreadable {
         /// The file.
+        file: PathBuf,
+        /// What the system says.
+        reason: std::io::Error,
+    },
+    /// The file or folder cannot be written.
+    #[error("{}: expected a place to write to: {reason}", file.display())]
+    Unwritable {
+        /// The file or folder.
         file: PathBuf,
         /// What the system says.
         reason: std::io::Error,
@@ -43,4 +51,19 @@ pub enum SceneError {
         /// Names of the shipped scenes.
         shipped: String,
     },
+}
+
+impl SceneError {
+    /// The same of a file that is to move from one folder to another.
+    pub(crate) fn told_of(mut self, from: &Path, to: &Path) -> Self {
+        if let SceneError::Unreadable { file, .. }
+        | SceneError::Unwritable { file, .. }
+        | SceneError::Malformed { file, .. }
+        | SceneError::Invalid { file, .. } = &mut self
+            && let Ok(rest) = file.strip_prefix(from)
+        {
+            *file = to.join(rest);
+        }
+        self
+    }
 }

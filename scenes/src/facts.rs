@@ -21,6 +21,8 @@ pub struct SceneFacts {
     pub skies: usize,
     /// Circular key lights.
     pub key_lights: usize,
+    /// Environments and key lights that turn.
+    pub turning: usize,
     /// Frames in the sequence.
     pub frames: usize,
     /// Whether any object moves or deforms.

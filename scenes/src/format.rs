@@ -7,7 +7,7 @@ mod solids;
 use serde::Deserialize;
 
 pub(crate) use animation::{CharacterFile, DeformFile, GltfFile, PlayFile};
-pub(crate) use heights::{HeightsFile, WaveFile};
+pub(crate) use heights::{GrowFile, HeightsFile, WaveFile};
 pub(crate) use solids::{BallFile, BlobFile, BlockFile, CylinderFile};
 
 /// A scene file.
@@ -110,6 +110,8 @@ pub(crate) struct ObjectFile {
     /// Radiance that leaves the front of its surface.
     #[serde(default)]
     pub(crate) emission: [f32; 3],
+    /// A picture by which `emission` is multiplied.
+    pub(crate) emission_map: Option<PictureFile>,
     #[serde(default = "yes")]
     pub(crate) casts: bool,
     #[serde(default)]
@@ -133,11 +135,20 @@ pub(crate) struct MeshFile {
     pub(crate) drop_degenerate: bool,
 }
 
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PictureFile {
+    pub(crate) file: String,
+    pub(crate) sha256: Option<String>,
+}
+
 /// The axis that points up in a mesh file.
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Up {
+pub enum Up {
+    /// The second.
     Y,
+    /// The third, as in scenes.
     #[default]
     Z,
 }
@@ -191,6 +202,7 @@ pub(crate) struct LightFile {
     pub(crate) environment: Option<EnvironmentFile>,
     pub(crate) sky: Option<SkyFile>,
     pub(crate) key: Option<KeyLightFile>,
+    pub(crate) turn: Option<TurnFile>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -220,6 +232,15 @@ pub(crate) struct KeyLightFile {
     pub(crate) direction: [f32; 3],
     pub(crate) angular_radius: f32,
     pub(crate) radiance: [f32; 3],
+}
+
+/// A steady turn, from second 0 on.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TurnFile {
+    #[serde(default = "z_axis")]
+    pub(crate) axis: [f32; 3],
+    pub(crate) degrees_a_second: f32,
 }
 
 #[derive(Debug, Deserialize)]

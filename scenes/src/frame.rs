@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use crate::{Content, Pose, Receivers, Revision, Shape};
+use glam::Vec3;
+
+use crate::{Content, Light, Pose, Receivers, Revision, Rgb, Shape};
 
 /// An object of the scene at one time.
 #[derive(Clone, Debug)]
@@ -28,10 +30,10 @@ impl PosedObject {
 }
 
 /// A light of the scene at one time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PosedLight {
-    /// Index into [`crate::Scene::lights`].
-    pub light: usize,
+    /// What it is now.
+    pub light: Light,
     /// Changes exactly when what the light emits does.
     pub revision: Revision,
 }
@@ -49,4 +51,16 @@ pub struct Frame {
     pub lights: Vec<PosedLight>,
     /// Where light is asked.
     pub receivers: Arc<Receivers>,
+}
+
+impl Frame {
+    /// Its lights.
+    pub fn lights(&self) -> impl Iterator<Item = &Light> {
+        self.lights.iter().map(|posed| &posed.light)
+    }
+
+    /// Radiance that arrives from all distant lights together along a unit direction, nothing in the way.
+    pub fn radiance(&self, direction: Vec3) -> Rgb {
+        self.lights().map(|light| light.radiance(direction)).sum()
+    }
 }

@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use crate::content::Collector;
 use crate::{Content, Rgb};
@@ -111,9 +111,103 @@ impl Light {
     }
 }
 
+/// A steady turn about an axis through the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// Unit axis, right-handed.
+    pub axis: Vec3,
+    /// Radians a second.
+    pub speed: f32,
+}
+
+impl Turn {
+    /// Radians at a time in seconds, whole turns left out.
+    fn angle(&self, time: f32) -> f32 {
+        // In f64: after many turns f32 has few digits left.
+        (f64::from(self.speed) * f64::from(time)).rem_euclid(std::f64::consts::TAU) as f32
+    }
+
+    /// The rotation at a time in seconds.
+    pub fn at(&self, time: f32) -> Quat {
+        Quat::from_axis_angle(self.axis, self.angle(time))
+    }
+}
+
+/// A light of a scene: as it is at second 0, and how it turns from then on.
+#[derive(Clone, Debug)]
+pub struct DistantLight {
+    /// At second 0.
+    pub rest: Light,
+    /// None where it rests. That of an environment has a vertical axis; skies do not turn.
+    pub turn: Option<Turn>,
+}
+
+impl DistantLight {
+    /// The light at a time in seconds.
+    pub fn at(&self, time: f32) -> Light {
+        match (&self.rest, self.turn) {
+            (Light::Environment(map), Some(turn)) => {
+                let rotation = map.rotation + turn.axis.z * turn.angle(time);
+                Light::Environment(Environment { rotation, ..map.clone() })
+            }
+            (Light::Key(key), Some(turn)) => {
+                Light::Key(KeyLight { direction: (turn.at(time) * key.direction).normalize(), ..*key })
+            }
+            (rest, _) => rest.clone(),
+        }
+    }
+
+    /// Hash of all that it emits at all times.
+    pub fn content(&self) -> Content {
+        match self.turn {
+            None => self.rest.content(),
+            Some(turn) => {
+                let turning = Collector::new("turning").content(self.rest.content());
+                turning.vec3(turn.axis).float(turn.speed).finish()
+            }
+        }
+    }
+}
+
+impl From<Light> for DistantLight {
+    fn from(rest: Light) -> Self {
+        DistantLight { rest, turn: None }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn quarter_a_second(axis: Vec3) -> Option<Turn> {
+        Some(Turn { axis, speed: PI / 2.0 })
+    }
+
+    #[test]
+    fn lights_turn_about_their_axis() {
+        let texels: Arc<Vec<Rgb>> = Arc::new((0..8).map(|i| Rgb::splat(i as f32)).collect());
+        let map = Environment { width: 4, height: 2, texels, rotation: 0.3 };
+        let key = KeyLight { direction: Vec3::X, angular_radius: 0.2, radiance: Rgb::ONE };
+        for (axis, light) in [
+            (Vec3::Z, Light::Environment(map.clone())),
+            (-Vec3::Z, Light::Environment(map)),
+            (Vec3::Z, Light::Key(key)),
+            (Vec3::new(1.0, 2.0, 3.0).normalize(), Light::Key(key)),
+        ] {
+            let turning = DistantLight { rest: light.clone(), turn: quarter_a_second(axis) };
+            for time in [0.0, 0.5, 1.0, 3.2, 401.0] {
+                let turned = Quat::from_axis_angle(axis, PI / 2.0 * (time % 4.0));
+                for i in 0..200 {
+                    let wave = |phase: f32| (2.4 * i as f32 + phase).sin();
+                    let direction = Vec3::new(wave(0.0), wave(1.0), wave(2.0)).normalize();
+                    let (got, want) = (turning.at(time).radiance(turned * direction), light.radiance(direction));
+                    assert_eq!(got, want, "{axis} {time} {direction}");
+                }
+            }
+            assert_ne!(turning.content(), DistantLight::from(light.clone()).content());
+            assert_eq!(light.content(), DistantLight::from(light).content());
+        }
+    }
 
     #[test]
     fn environment_texels_lie_where_the_convention_says() {

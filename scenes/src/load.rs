@@ -2,9 +2,10 @@
 
 mod animated;
 mod body;
+mod emission;
 mod heights;
 mod lights;
-mod objects;
+pub(crate) mod objects;
 mod receivers;
 mod solids;
 
@@ -14,7 +15,7 @@ use crate::assets::Assets;
 use crate::check::Checker;
 use crate::content::Content;
 use crate::format::{CameraFile, FramesFile, SceneFile};
-use crate::{Bodies, Camera, Placement, Scene, SceneError};
+use crate::{Bodies, Camera, Object, Placement, Scene, SceneError};
 
 /// Most pixels along a side of a picture or grid, frames, and receivers over all frames: a plan holds every frame at once, about
 /// 80 bytes a receiver.
@@ -41,12 +42,23 @@ impl Scene {
     /// As [`Scene::load`].
     pub fn parse(path: &Path, text: &str) -> Result<Scene, SceneError> {
         let check = Checker { file: path };
-        let file: SceneFile = toml::from_str(text).map_err(|error| syntax(check, text, &error))?;
+        let file: SceneFile = read_toml(check, text)?;
         let assets = Assets::beside(path);
         let mut notices = Vec::new();
         let objects = objects::load(check, &assets, &file.objects, &mut notices)?;
+        Scene::assemble(path, &file, objects, notices)
+    }
+
+    /// The scene of a file whose objects are loaded already.
+    pub(crate) fn assemble(
+        path: &Path,
+        file: &SceneFile,
+        objects: Vec<Object>,
+        mut notices: Vec<String>,
+    ) -> Result<Scene, SceneError> {
+        let (check, assets) = (Checker { file: path }, Assets::beside(path));
         let lights = lights::load(check, &assets, &file.lights, &mut notices)?;
-        let lit = !lights.is_empty() || objects.iter().any(crate::Object::emits);
+        let lit = !lights.is_empty() || objects.iter().any(Object::emits);
         check.ensure(lit, "lights", "at least one light, or an object with emission", lights.len())?;
         let camera = file.camera.as_ref().map(|camera| load_camera(check, camera)).transpose()?;
         let placement = receivers::load(check, &assets, &file.receivers, &objects, camera.as_ref())?;
@@ -72,6 +84,10 @@ impl Scene {
         }
         Ok(Scene { content: scene.compute_content(), ..scene })
     }
+}
+
+pub(crate) fn read_toml<T: serde::de::DeserializeOwned>(check: Checker, text: &str) -> Result<T, SceneError> {
+    toml::from_str(text).map_err(|error| syntax(check, text, &error))
 }
 
 /// TOML's own messages span several lines; what remains here is one with its place.

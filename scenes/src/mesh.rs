@@ -96,6 +96,28 @@ pub(crate) fn plane(size: Vec2) -> Mesh {
     }
 }
 
+/// A rectangle about the origin with normal +z, cut into cells by rows from its far edge (+y): two triangles each, one cell after
+/// the other, like the texels of a picture that its front shows upright.
+pub(crate) fn cells(size: Vec2, columns: usize, rows: usize) -> Mesh {
+    let corner = |column: usize, row: usize| {
+        let at = Vec2::new(column as f32 / columns as f32, 1.0 - row as f32 / rows as f32);
+        ((at - 0.5) * size).extend(0.0)
+    };
+    let grid =
+        |columns: usize, rows: usize| (0..rows).flat_map(move |row| (0..columns).map(move |column| (column, row)));
+    let number = |column: usize, row: usize| (row * (columns + 1) + column) as u32;
+    let two = |(i, j): (usize, usize)| {
+        let [a, b, c, d] = [number(i, j + 1), number(i + 1, j + 1), number(i + 1, j), number(i, j)];
+        [[a, b, c], [a, c, d]]
+    };
+    Mesh {
+        positions: grid(columns + 1, rows + 1).map(|(column, row)| corner(column, row)).collect(),
+        normals: vec![Vec3::Z; (columns + 1) * (rows + 1)],
+        uvs: Vec::new(),
+        triangles: grid(columns, rows).flat_map(two).collect(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use glam::Quat;
@@ -126,6 +148,12 @@ mod tests {
         let mesh = plane(Vec2::new(4.0, 2.0));
         assert_eq!([mesh.face_normal(0), mesh.face_normal(1)], [Vec3::Z; 2]);
         assert_eq!(mesh.positions[2], Vec3::new(2.0, 1.0, 0.0));
+        let cut = cells(Vec2::new(4.0, 2.0), 4, 3);
+        assert!((0..24).all(|triangle| cut.face_normal(triangle) == Vec3::Z));
+        // Columns from -x, rows from +y.
+        let middle = |cell: usize| (cut.corners(2 * cell)[0] + cut.corners(2 * cell)[2]) / 2.0;
+        assert!(middle(0).distance(Vec3::new(-1.5, 2.0 / 3.0, 0.0)) < 1e-6, "{}", middle(0));
+        assert!(middle(11).distance(Vec3::new(1.5, -2.0 / 3.0, 0.0)) < 1e-6, "{}", middle(11));
     }
 
     #[test]

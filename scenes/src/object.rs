@@ -7,7 +7,7 @@ use glam::{Quat, Vec2, Vec3};
 use halflight_trace::Geometry;
 
 use crate::content::Collector;
-use crate::{Content, Deformation, HeightField, Mesh, Revision, Rgb, Sphere, Texture};
+use crate::{Content, Deformation, Emission, HeightField, Mesh, Revision, Rgb, Sphere, Texture};
 
 /// What an object is made of, in rest position (the scene file's transform applied).
 #[derive(Clone, Debug)]
@@ -109,9 +109,8 @@ pub struct Object {
     pub albedo: Rgb,
     /// By which the albedo is multiplied, where the mesh has texture coordinates.
     pub texture: Option<Texture>,
-    /// Radiance that leaves the front of its surface, the side of its geometric normals, in every direction. An object that
-    /// emits is an area light: a sphere a spherical one, a polygon a polygonal one.
-    pub emission: Rgb,
+    /// What it emits. An object that emits is an area light: a sphere a spherical one, a polygon a polygonal one.
+    pub emission: Emission,
     /// Whether it takes part in light transport: blocks light and, for indirect light, reflects it from both its sides. A
     /// ground that only receives does not; a lamp that does not is seen by receivers but stands in nobody's way.
     pub casts: bool,
@@ -120,20 +119,20 @@ pub struct Object {
     pub motion: Vec<(f32, Pose)>,
     /// The point about which the motion rotates.
     pub pivot: Vec3,
-    /// How its mesh changes its shape, before the motion carries it along.
+    /// How it changes its shape, before the motion carries it along.
     pub deformation: Option<Arc<Deformation>>,
 }
 
 impl Object {
     /// The shape at a time in seconds, not yet carried along, and its content.
     pub(crate) fn shape_at(&self, time: f32) -> (Arc<Shape>, Content) {
-        match (&self.deformation, &*self.shape) {
-            (Some(deformation), Shape::Mesh(rest)) => {
-                let shape = Shape::Mesh(deformation.at(rest, time));
+        match &self.deformation {
+            Some(deformation) => {
+                let shape = deformation.at(&self.shape, time);
                 let content = shape.content();
                 (Arc::new(shape), content)
             }
-            _ => (self.shape.clone(), self.content),
+            None => (self.shape.clone(), self.content),
         }
     }
 
@@ -161,15 +160,14 @@ impl Object {
 
     /// Whether it is an area light.
     pub fn emits(&self) -> bool {
-        self.emission != Rgb::ZERO
+        !self.emission.is_none()
     }
 
     /// The revision of the object with a shape under a pose: changes exactly when shape, albedo, texture, emission or pose does.
     pub(crate) fn revision(&self, shape: Content, pose: Pose) -> Revision {
         let posed = Collector::new("posed").content(shape).vec3(self.albedo);
-        let posed =
-            posed.list(self.texture.as_slice(), |all, texture| all.content(texture.content())).vec3(self.emission);
-        posed.quat(pose.rotation).vec3(pose.translation).finish().revision()
+        let posed = posed.list(self.texture.as_slice(), |all, texture| all.content(texture.content()));
+        self.emission.collect(posed).quat(pose.rotation).vec3(pose.translation).finish().revision()
     }
 }
 
@@ -188,7 +186,7 @@ mod tests {
             content,
             albedo: Rgb::ONE,
             texture: None,
-            emission: Rgb::ZERO,
+            emission: Emission::NONE,
             casts: true,
             motion,
             pivot,
@@ -229,7 +227,7 @@ mod tests {
         assert_ne!(ball.revision(ball.content, Pose::IDENTITY), ball.revision(ball.content, turn(0.0, Vec3::X)));
         let grey = Object { albedo: Rgb::splat(0.5), ..ball.clone() };
         assert_ne!(ball.revision(ball.content, Pose::IDENTITY), grey.revision(grey.content, Pose::IDENTITY));
-        let lamp = Object { emission: Rgb::X, ..ball.clone() };
+        let lamp = Object { emission: Rgb::X.into(), ..ball.clone() };
         assert_ne!(ball.revision(ball.content, Pose::IDENTITY), lamp.revision(lamp.content, Pose::IDENTITY));
         assert_ne!(ball.content, object(Vec::new(), Vec3::X).content);
     }

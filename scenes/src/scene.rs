@@ -8,8 +8,8 @@ use halflight_trace::{Instance, World};
 use crate::bodies::Part;
 use crate::content::Collector;
 use crate::{
-    Bodies, Camera, Content, Frame, Light, Object, Placement, Pose, PosedLight, PosedObject, Receivers, Rgb,
-    SceneFacts, Shape, placement,
+    Bodies, Camera, Content, DistantLight, Frame, Light, Object, Placement, Pose, PosedLight, PosedObject, Receivers,
+    Rgb, SceneFacts, Shape, placement,
 };
 
 /// A loaded scene.
@@ -24,8 +24,8 @@ pub struct Scene {
     pub content: Content,
     /// Objects.
     pub objects: Vec<Object>,
-    /// Lights.
-    pub lights: Vec<Light>,
+    /// Distant lights.
+    pub lights: Vec<DistantLight>,
     /// Camera, where the scene has one.
     pub camera: Option<Camera>,
     /// Where light is asked.
@@ -58,6 +58,7 @@ impl Scene {
             emitters: self.objects.iter().filter(|object| object.emits()).count(),
             frames: self.frame_count,
             moving: self.objects.iter().any(|object| !object.rests()),
+            turning: self.lights.iter().filter(|light| light.turn.is_some()).count(),
             deforming: self.objects.iter().filter(|object| object.deformation.is_some()).count(),
             receivers: self.receiver_count(),
             ..SceneFacts::default()
@@ -73,7 +74,7 @@ impl Scene {
             }
         }
         for light in &self.lights {
-            match light {
+            match light.rest {
                 Light::Environment(_) => facts.environments += 1,
                 Light::Sky(_) => facts.skies += 1,
                 Light::Key(_) => facts.key_lights += 1,
@@ -92,16 +93,10 @@ impl Scene {
             PosedObject { object: index, shape, content, pose, revision: object.revision(content, pose) }
         };
         let objects: Vec<PosedObject> = self.objects.iter().enumerate().map(pose).collect();
-        let lights = self.lights.iter().enumerate();
-        let lights =
-            lights.map(|(light, content)| PosedLight { light, revision: content.content().revision() }).collect();
+        let now = |light: Light| PosedLight { revision: light.content().revision(), light };
+        let lights = self.lights.iter().map(|light| now(light.at(time))).collect();
         let receivers = Arc::new(self.receivers(&objects));
         Frame { index, time, objects, lights, receivers }
-    }
-
-    /// Radiance that arrives from all distant lights together along a unit direction, nothing in the way.
-    pub fn radiance(&self, direction: Vec3) -> Rgb {
-        self.lights.iter().map(|light| light.radiance(direction)).sum()
     }
 
     /// The objects at a frame, ready to be traced. The geometry index of a hit is the index of its object; objects
@@ -120,7 +115,7 @@ impl Scene {
     pub(crate) fn compute_content(&self) -> Content {
         let all = Collector::new("scene").word(self.frame_count).float(self.fps);
         let all = all.list(&self.objects, |all, object| {
-            let all = all.content(object.content).vec3(object.albedo).vec3(object.emission);
+            let all = object.emission.collect(all.content(object.content).vec3(object.albedo));
             let all = all.word(object.casts.into()).vec3(object.pivot);
             let all = all.list(object.texture.as_slice(), |all, texture| all.content(texture.content()));
             let all = all.list(object.deformation.as_slice(), |all, deformation| all.content(deformation.content()));

@@ -28,6 +28,16 @@ impl Texture {
         self.content
     }
 
+    /// Texels a row.
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Row major.
+    pub(crate) fn texels(&self) -> &[Rgb] {
+        &self.texels
+    }
+
     /// Bilinear between texel centres.
     pub fn at(&self, uv: Vec2) -> Rgb {
         let size = IVec2::new(self.width as i32, (self.texels.len() / self.width) as i32);

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use halflight_scenes::{
-    Bodies, Content, Environment, Grid, KeyLight, Light, Mesh, Object, Placement, Pose, Rgb, Scene, Shape, Sky, Sphere,
+    Bodies, Content, DistantLight, Emission, Environment, Grid, KeyLight, Light, Mesh, Object, Placement, Pose, Rgb,
+    Scene, Shape, Sky, Sphere,
 };
 
 /// Every fixture of exact spheres. [`mesh_in_two_lights`] is left out: what methods derive from a mesh takes long, and
@@ -43,6 +44,22 @@ pub fn two_lights() -> Scene {
     let low = spheres("low", vec![sphere(Vec3::new(-0.5, 0.0, 0.3), 0.4)]);
     let high = spheres("high", vec![sphere(Vec3::new(0.6, 0.5, 1.5), 0.5), sphere(Vec3::new(0.9, 0.5, 1.2), 0.4)]);
     scene("two-lights", vec![ground(), low, high], vec![gradient(), key()], grid())
+}
+
+/// Two heaps of small spheres beside a ground that is large for them, so that bounding spheres may stand for them, under an
+/// overcast sky. Left out of [`all`]: it is for methods with cuts.
+pub fn heaps() -> Scene {
+    let mut random = Random::default();
+    let mut heap = |center: Vec3| {
+        let spheres = (0..40).map(|_| sphere(center + 0.2 * random.in_cube(), 0.03 + 0.07 * random.next()));
+        spheres.collect::<Vec<Sphere>>()
+    };
+    let objects = vec![
+        ground(),
+        spheres("left", heap(Vec3::new(-0.5, 0.2, 0.25))),
+        spheres("right", heap(Vec3::new(0.6, -0.3, 0.5))),
+    ];
+    scene("heaps", objects, vec![overcast()], grid_of([24, 20]))
 }
 
 /// An octahedron over the ground under an environment map and a key light.
@@ -91,7 +108,7 @@ pub fn scene(name: &str, objects: Vec<Object>, lights: Vec<Light>, placement: Pl
         purpose: "contract checks".into(),
         content: Content::of(parts.concat().as_bytes()),
         objects,
-        lights,
+        lights: lights.into_iter().map(DistantLight::from).collect(),
         camera: None,
         placement,
         frame_count: 1,
@@ -118,7 +135,7 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         shape: Arc::new(shape),
         albedo: Rgb::new(0.8, 0.6, 0.4),
         texture: None,
-        emission: Rgb::ZERO,
+        emission: Emission::NONE,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,
@@ -139,13 +156,11 @@ fn ground() -> Object {
 
 /// Receivers on the ground, which is the first object.
 fn grid() -> Placement {
-    Placement::Grid(Grid {
-        center: Vec3::ZERO,
-        size: Vec2::splat(4.0),
-        resolution: [9, 8],
-        normal: Vec3::Z,
-        object: Some(0),
-    })
+    grid_of([9, 8])
+}
+
+fn grid_of(resolution: [usize; 2]) -> Placement {
+    Placement::Grid(Grid { center: Vec3::ZERO, size: Vec2::splat(4.0), resolution, normal: Vec3::Z, object: Some(0) })
 }
 
 fn octahedron(center: Vec3, radius: f32) -> Mesh {

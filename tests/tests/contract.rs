@@ -14,6 +14,24 @@ fn every_registered_method_keeps_the_contract() {
     assert!(lines.is_empty(), "{}", lines.join("\n"));
 }
 
+/// Receivers that share cuts, few of them and many.
+#[test]
+fn methods_with_cuts_keep_the_contract() {
+    let scenes = [fixtures::heaps(), fixtures::moving_sphere(), fixtures::stress()];
+    let method = halflight_registry::find("shexp/hyb").expect("it is registered");
+    let mut violations = Vec::new();
+    for cluster in ["16", "256"] {
+        let params = Params::resolve(method.info().params, [("cut", "30"), ("cluster", cluster)]);
+        let params = params.expect("they are its parameters");
+        for case in scenes.iter().flat_map(|scene| Case::all(method, scene)) {
+            let case = case.tuned(params.clone());
+            violations.extend(checks::CHECKS.iter().filter_map(|(_, check)| check(&case).err()));
+        }
+    }
+    let lines: Vec<String> = violations.iter().map(|violation| violation.to_string()).collect();
+    assert!(lines.is_empty(), "{}", lines.join("\n"));
+}
+
 /// What is derived from a mesh takes long, so one method stands for all that share it, with one sphere.
 #[test]
 fn derived_data_of_meshes_keeps_the_contract() {

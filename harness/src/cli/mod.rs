@@ -9,6 +9,7 @@ mod diff;
 mod doctor;
 mod export;
 mod gate;
+mod import;
 mod list;
 mod merge;
 mod pareto;
@@ -76,7 +77,10 @@ enum Command {
     Bless(bless::Bless),
     /// Compare two EXR pictures, or the pictures of two results directories
     Diff(diff::Diff),
-    /// Write the results as a table, or a scene for another renderer with receivers and their truth to hold that against
+    /// Make a scene of models (glTF, OBJ, OFF, PLY) and a picture of the surroundings
+    Import(import::Import),
+    /// Write the results as a table, a scene as glTF, or one for another renderer with receivers and their truth to hold that
+    /// against
     Export(export::Export),
     /// Hold the truth against what another renderer found in an exported scene
     Crosscheck(crosscheck::Check),
@@ -250,6 +254,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Count(count)) => count.act(),
         Some(Command::Bless(bless)) => bless.act(),
         Some(Command::Diff(diff)) => diff.act(),
+        Some(Command::Import(import)) => import.act(),
         Some(Command::Export(export)) => export.act(),
         Some(Command::Crosscheck(check)) => check.act(),
         Some(Command::Accuracy(accuracy)) => accuracy.act(),

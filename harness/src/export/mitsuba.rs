@@ -3,7 +3,8 @@
 use super::radiance_map::RadianceMap;
 use super::{ply, write};
 use crate::Error;
-use halflight_scenes::{Frame, KeyLight, Light, Mesh, Object, Scene, Shape, Sky, Sphere};
+use halflight_scenes::{Emission, Frame, KeyLight, Light, Mesh, Object, Rgb, Scene, Shape, Sky, Sphere};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Distance of what is infinitely far, in metres: to receivers some metres apart it seems to shift by 1e-5 rad, and directions
@@ -11,6 +12,8 @@ use std::path::Path;
 const FAR: f64 = 1e6;
 /// Widest key light in radians: the disc for a wider one would be so large that directions to its middle are rarely sampled.
 const WIDEST: f32 = 1.3;
+/// Most shapes that the triangles of one object are sorted into.
+const MOST_RADIANCES: usize = 4096;
 /// A [`RadianceMap`] has y up and azimuth 0 towards −z: to z up and +x.
 const UPRIGHT: &str = "0 0 -1 0  -1 0 0 0  0 1 0 0  0 0 0 1";
 
@@ -33,7 +36,7 @@ pub(super) fn write_scenes(scene: &Scene, frame: &Frame, out: &Path) -> Result<V
     let distant = |(index, light): (usize, &Light)| {
         Ok(format!("    <include filename=\"shapes.xml\"/>\n{}", emitter(light, index, out)?))
     };
-    let mut lights: Vec<String> = scene.lights.iter().enumerate().map(distant).collect::<Result<_, Error>>()?;
+    let mut lights: Vec<String> = frame.lights().enumerate().map(distant).collect::<Result<_, Error>>()?;
     if scene.objects.iter().any(Object::emits) {
         lights.push(shapes(scene, frame, true, out)?);
     }
@@ -54,31 +57,72 @@ fn shapes(scene: &Scene, frame: &Frame, lit: bool, out: &Path) -> Result<String,
     let mut text = String::new();
     for posed in &frame.objects {
         let object = &scene.objects[posed.object];
-        let surface = surface(object, lit);
-        match &*posed.in_place() {
-            _ if !object.casts => {}
-            Shape::Mesh(mesh) => text += &triangles(mesh, posed.object, &surface, out)?,
-            Shape::Heights(field) => text += &triangles(field.mesh(), posed.object, &surface, out)?,
-            Shape::Spheres(spheres) => text.extend(spheres.iter().map(|s| sphere(s, &surface))),
+        if !object.casts {
+            continue;
+        }
+        let shape = posed.in_place();
+        let mesh = match &*shape {
+            Shape::Mesh(mesh) => mesh,
+            Shape::Heights(field) => field.mesh(),
+            Shape::Spheres(spheres) => {
+                let surface = surface(object, lit.then(|| object.emission.of(0)));
+                text.extend(spheres.iter().map(|s| sphere(s, &surface)));
+                continue;
+            }
+        };
+        match &object.emission {
+            Emission::Triangles(radiances) if lit => {
+                let groups = groups(radiances);
+                if groups.len() > MOST_RADIANCES {
+                    let message =
+                        format!("emits {} different radiances, expected at most {MOST_RADIANCES}", groups.len());
+                    return Err(Error::Other(format!("{}: object `{}` {message}", scene.name, object.name)));
+                }
+                for (number, (radiance, members)) in groups.into_iter().enumerate() {
+                    let name = format!("mesh-{}-{number}.ply", posed.object);
+                    text += &triangles(&part(mesh, &members), &name, &surface(object, Some(radiance)), out)?;
+                }
+            }
+            emission => {
+                let surface = surface(object, lit.then(|| emission.of(0)));
+                text += &triangles(mesh, &format!("mesh-{}.ply", posed.object), &surface, out)?;
+            }
         }
     }
     Ok(text)
 }
 
+/// Triangles of the same radiance together.
+fn groups(radiances: &[Rgb]) -> Vec<(Rgb, Vec<usize>)> {
+    let mut groups: BTreeMap<[u32; 3], Vec<usize>> = BTreeMap::new();
+    for (triangle, radiance) in radiances.iter().enumerate() {
+        groups.entry(radiance.to_array().map(f32::to_bits)).or_default().push(triangle);
+    }
+    groups.into_values().map(|members| (radiances[members[0]], members)).collect()
+}
+
+/// Some of a mesh's triangles.
+fn part(mesh: &Mesh, members: &[usize]) -> Mesh {
+    Mesh {
+        positions: members.iter().flat_map(|triangle| mesh.corners(*triangle)).collect(),
+        triangles: (0..members.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        ..Mesh::default()
+    }
+}
+
 /// Diffuse on both sides; light is emitted from the front alone, as Mitsuba has it too.
-fn surface(object: &Object, lit: bool) -> String {
-    let emission = match lit && object.emits() {
-        true => format!("<emitter type=\"area\">{}</emitter>", rgb("radiance", object.emission.to_array())),
-        false => String::new(),
+fn surface(object: &Object, radiance: Option<Rgb>) -> String {
+    let emission = match radiance.filter(|radiance| *radiance != Rgb::ZERO) {
+        Some(radiance) => format!("<emitter type=\"area\">{}</emitter>", rgb("radiance", radiance.to_array())),
+        None => String::new(),
     };
     let albedo = rgb("reflectance", object.albedo.to_array());
     format!("<bsdf type=\"twosided\"><bsdf type=\"diffuse\">{albedo}</bsdf></bsdf>{emission}")
 }
 
 /// With geometric normals, about which surfaces reflect.
-fn triangles(mesh: &Mesh, object: usize, surface: &str, out: &Path) -> Result<String, Error> {
-    let name = format!("mesh-{object}.ply");
-    write(&out.join(&name), &ply::bytes(mesh))?;
+fn triangles(mesh: &Mesh, name: &str, surface: &str, out: &Path) -> Result<String, Error> {
+    write(&out.join(name), &ply::bytes(mesh))?;
     Ok(format!(
         "    <shape type=\"ply\"><string name=\"filename\" value=\"{name}\"/>\
          <boolean name=\"face_normals\" value=\"true\"/>{surface}</shape>\n"

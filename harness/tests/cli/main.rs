@@ -8,6 +8,7 @@ mod export;
 mod failing;
 mod gate;
 mod gate_controls;
+mod import;
 mod killed;
 mod refs;
 mod rescore;

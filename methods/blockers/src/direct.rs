@@ -6,14 +6,16 @@ use halflight_contract::{
     Error, Flow, Footprint, Job, Meter, Output, ParamSpec, Params, Prepared, Quantity, Request, Result, Support,
     counted, timed,
 };
-use halflight_light::{LightOf, ShLight};
+use halflight_light::{LightOf, SceneLight, ShLight};
 use halflight_proxies::{PosedSpheres, Proxy, blockers, proxies};
 use halflight_scenes::{Frame, Receivers, Scene, SceneFacts};
-use halflight_sh::{Batch, Block, apply_bands, coefficients, window};
+use halflight_sh::{Batch, Block, apply_bands, window};
 use rayon::prelude::*;
 
+use crate::clustered::{self, Clustered};
+use crate::cut::{Cut, Rule, Visits};
 use crate::shading::Shading;
-use crate::{Circles, Gather, Tally, params};
+use crate::{Blockers, Circles, Gather, Tally, params};
 
 /// Receivers that one task handles.
 const CHUNK: usize = 256;
@@ -63,11 +65,15 @@ pub struct DirectLight<'s, A> {
     scene: &'s Scene,
     params: Params,
     order: usize,
-    light: Arc<ShLight>,
+    light: Arc<SceneLight>,
+    /// The light now.
+    lit: ShLight,
     light_window: Vec<f32>,
     proxies: Vec<Option<Proxy>>,
     spheres: PosedSpheres,
     gather: Gather,
+    /// None if every receiver sees every sphere.
+    cuts: Option<(Rule, Clustered)>,
     accumulator: A,
     result: Vec<f32>,
     quantity: Quantity,
@@ -107,19 +113,63 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             true => bands(order),
             false => vec![1.0; order],
         };
+        let cuts = params::cut(job.params, A::PARAMS).map(|rule| (rule, Clustered::new(job.scene, &proxies)));
         Ok(DirectLight {
             scene: job.scene,
             params: job.params.clone(),
             order,
+            lit: light.still.clone(),
             light,
             light_window,
             proxies,
             spheres: PosedSpheres::default(),
             gather: params::gather(job.params),
+            cuts,
             accumulator: A::new(job.params),
             result: Vec::new(),
             quantity: Quantity::Direct,
         })
+    }
+
+    /// Fills the result, all spheres before every receiver.
+    fn each(&self, receivers: &Receivers, result: &mut [f32]) -> (Tally, Work, Visits) {
+        let (shading, size) = (self.shading(), CHUNK * self.quantity.channels());
+        let blockers = Blockers { spheres: &self.spheres.spheres, ratios: &[] };
+        let chunks = result.par_chunks_mut(size).enumerate();
+        let (tally, work) = chunks
+            .map(|(chunk, out)| shading.chunk(receivers, chunk * CHUNK, blockers, out))
+            .reduce(Default::default, |a, b| (a.0 + b.0, a.1 + b.1));
+        (tally, work, Visits::default())
+    }
+
+    /// Fills the result cluster by cluster, before each the spheres of its cut.
+    fn by_cluster(
+        &self,
+        rule: Rule,
+        clustered: &Clustered,
+        receivers: &Receivers,
+        result: &mut [f32],
+    ) -> (Tally, Work, Visits) {
+        let (shading, channels) = (self.shading(), self.quantity.channels());
+        let forest = clustered.forest(&self.spheres);
+        let shade = |cut: &mut Cut, cluster| {
+            let visits = forest.cut(rule, self.gather, shading.batch, receivers, cluster, cut);
+            let members = clustered.members(cluster);
+            let mut out = vec![0.0; members.len() * channels];
+            let (tally, work) = shading.shade(receivers, members, cut.blockers(), |place, values| {
+                out[place * channels..][..channels].copy_from_slice(values);
+            });
+            (out, (tally, work, visits))
+        };
+        let shaded: Vec<_> = clustered.clusters().par_iter().map_init(Cut::default, shade).collect();
+        let mut sums = (Tally::default(), Work::default(), Visits::default());
+        for (cluster, (out, (tally, work, visits))) in clustered.clusters().iter().zip(shaded) {
+            for (&receiver, values) in clustered.members(cluster).iter().zip(out.chunks_exact(channels)) {
+                result[receiver * channels..][..channels].copy_from_slice(values);
+            }
+            sums = (sums.0 + tally, sums.1 + work, sums.2 + visits);
+        }
+        sums
     }
 
     fn shading(&self) -> Shading<'_, A> {
@@ -127,11 +177,10 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             accumulator: &self.accumulator,
             batch: Batch::new(self.order),
             gather: self.gather,
-            spheres: &self.spheres.spheres,
             quantity: self.quantity,
             guard: self.params.flag(params::GUARD.name),
             visibility_window: self.params.flag(params::WINDOW_VISIBILITY.name).then(|| bands(self.order)),
-            light: self.light.rgb.clone().map(|mut channel| {
+            light: self.lit.rgb.clone().map(|mut channel| {
                 apply_bands(&self.light_window, &mut channel);
                 channel
             }),
@@ -146,18 +195,23 @@ fn bands(order: usize) -> Vec<f32> {
 impl<A: Accumulator> Prepared for DirectLight<'_, A> {
     fn footprint(&self) -> Footprint {
         let proxies = self.proxies.iter().flatten();
-        Footprint::default()
+        let cuts = self.cuts.iter().flat_map(|(_, clustered)| clustered.bytes());
+        let footprint = Footprint::default()
             .host("sphere sets (shared)", proxies.map(Proxy::bytes).sum())
             .host(
                 "posed spheres",
                 size_of_val(self.spheres.spheres.as_slice()) + size_of_val(self.spheres.object.as_slice()),
             )
-            .host("light (shared)", 3 * coefficients(self.order) * size_of::<f32>())
-            .host("result", size_of_val(self.result.as_slice()))
+            .host("light (shared)", self.light.bytes())
+            .host("result", size_of_val(self.result.as_slice()));
+        cuts.fold(footprint, |footprint, (purpose, bytes)| footprint.host(purpose, bytes))
     }
 
     fn retune(&mut self, params: &Params) -> Result<()> {
         params.retune(&mut self.params, A::PARAMS)?;
+        if let (Some((rule, _)), Some(new)) = (&mut self.cuts, params::cut(params, A::PARAMS)) {
+            *rule = new;
+        }
         self.gather = params::gather(params);
         self.accumulator = A::new(params);
         Ok(())
@@ -165,6 +219,12 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
 
     fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
         self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.proxies));
+        if !self.light.turning.is_empty() {
+            self.lit = timed(meter, "turn light", |_| self.light.at(frame.time).into_owned());
+        }
+        if let Some((_, clustered)) = &mut self.cuts {
+            clustered.update(&self.spheres, &frame.receivers, &self.params, meter);
+        }
         Ok(())
     }
 
@@ -177,16 +237,13 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
             return Err(Error::Cancelled);
         }
         let mut result = std::mem::take(&mut self.result);
-        let shading = self.shading();
-        let (tally, work) = timed(meter, "accumulate and shade", |_| {
-            result
-                .par_chunks_mut(CHUNK * quantity.channels())
-                .enumerate()
-                .map(|(chunk, out)| shading.chunk(receivers, chunk * CHUNK, out))
-                .reduce(Default::default, |a, b| (a.0 + b.0, a.1 + b.1))
+        let (tally, work, visits) = timed(meter, "accumulate and shade", |_| match &self.cuts {
+            None => self.each(receivers, &mut result),
+            Some((rule, clustered)) => self.by_cluster(*rule, clustered, receivers, &mut result),
         });
         self.result = result;
         report(meter, receivers, &tally, &work);
+        clustered::report(meter, &visits);
         Ok(())
     }
 

@@ -18,6 +18,15 @@ pub struct Gather {
     pub min_sin_angle: f32,
 }
 
+/// Spheres that block, and how their logs are to be scaled.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Blockers<'a> {
+    /// The spheres.
+    pub spheres: &'a [Sphere],
+    /// Factors for the bands of each sphere's log visibility, as many a sphere as there are bands; none if nothing is scaled.
+    pub ratios: &'a [f32],
+}
+
 /// Blockers looked at while gathering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
@@ -53,11 +62,11 @@ impl Gather {
         &self,
         receivers: &Receivers,
         numbers: &[usize],
-        spheres: &[Sphere],
+        blockers: Blockers<'_>,
         tally: &mut Tally,
         accumulate: impl FnMut(&Circles),
     ) -> [u32; LANES] {
-        self.circles_by(Simd::best(), receivers, numbers, spheres, tally, accumulate)
+        self.circles_by(Simd::best(), receivers, numbers, blockers, tally, accumulate)
     }
 
     fn circles_by(
@@ -65,7 +74,7 @@ impl Gather {
         simd: Simd,
         receivers: &Receivers,
         numbers: &[usize],
-        spheres: &[Sphere],
+        Blockers { spheres, ratios }: Blockers<'_>,
         tally: &mut Tally,
         mut accumulate: impl FnMut(&Circles),
     ) -> [u32; LANES] {
@@ -73,9 +82,12 @@ impl Gather {
         let group = Group::new(receivers, numbers);
         let mut circles = Circles::default();
         let mut blockers = [0; LANES];
-        for spheres in spheres.chunks(SPHERES) {
+        let bands = ratios.len() / spheres.len().max(1);
+        for (number, spheres) in spheres.chunks(SPHERES).enumerate() {
             let mut counts = Counts::default();
-            run(simd, Seen { gather: *self, group: &group, spheres, circles: &mut circles, counts: &mut counts });
+            let ratios = &ratios[number * SPHERES * bands..][..spheres.len() * bands];
+            let (circles, counts_of) = (&mut circles, &mut counts);
+            run(simd, Seen { gather: *self, group: &group, spheres, ratios, circles, counts: counts_of });
             blockers.iter_mut().zip(counts.accumulated.0).for_each(|(sum, count)| *sum += count as u32);
             for lane in 0..numbers.len() {
                 let (accumulated, too_small) = (counts.accumulated.0[lane] as u64, counts.too_small.0[lane] as u64);
@@ -153,7 +165,8 @@ mod tests {
             let numbers: Vec<usize> = (0..receivers.position.len()).collect();
             for group in numbers.chunks(LANES) {
                 let (mut tally, mut circles) = (Tally::default(), vec![Vec::new(); LANES]);
-                let counts = gather.circles_by(simd, &receivers, group, &spheres, &mut tally, |seen| {
+                let blockers = Blockers { spheres: &spheres, ratios: &[] };
+                let counts = gather.circles_by(simd, &receivers, group, blockers, &mut tally, |seen| {
                     assert_eq!(seen.axes.len(), seen.sines.len());
                     for (axes, sines) in seen.axes.iter().zip(&seen.sines) {
                         assert!(sines.0.iter().any(|sine| *sine > 0.0), "a sphere that nobody sees");

@@ -5,19 +5,27 @@
 //! the parameters, and the whole of [`halflight_contract::Prepared`] around one [`Accumulator`] that says how circles become
 //! visibility.
 //!
+//! Methods that sum logs may also look at cuts through hierarchies of spheres instead of all spheres ([`params::CUT`]).
+//!
 //! # The way of the data
 //!
 //! Valid receivers go 16 together, a lane each: spheres → [`Circles`], some spheres at a time → the accumulator's state →
 //! visibility in blocks → one vector a receiver, which the guard and the window change → blocks → `H(N) * g` → colours. Lanes do
-//! not influence one another: a receiver's result does not depend on its company.
+//! not influence one another: without cuts a receiver's result does not depend on its company. With cuts receivers go cluster by
+//! cluster, and the spheres are those that its cut selects, some with a ratio vector.
 
+mod clustered;
+mod clusters;
+mod cut;
 mod direct;
 mod gather;
 pub mod params;
+mod ratio;
 mod seen;
 mod shading;
 
+pub use clusters::clusters;
 pub use direct::{Accumulator, DirectLight, Work, fill_open, supports};
-pub use gather::{Gather, Tally};
+pub use gather::{Blockers, Gather, Tally};
 pub use halflight_proxies::SelfShadow;
 pub use seen::Circles;

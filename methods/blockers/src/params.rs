@@ -1,9 +1,13 @@
 //! Parameters that all sphere-blocker methods share.
 
-use halflight_contract::{Kind, ParamSpec, Params, Phase};
+use halflight_contract::{Coupling, Kind, ParamSpec, Params, Phase};
 use halflight_proxies::{DEFAULT_COUNT, MAX_COUNT, SelfShadow};
 
 use crate::Gather;
+use crate::cut::Rule;
+
+/// The most that another grouping changed a receiver under unit light by, with θmax = 30°; see `docs/cuts.md`.
+const COMPANY: f32 = 0.05;
 
 /// SH order of light, visibility and shading.
 pub const ORDER: ParamSpec = ParamSpec {
@@ -37,6 +41,30 @@ pub const MIN_ANGLE: ParamSpec = ParamSpec {
     help: "blockers of a smaller angular radius (degrees) are skipped",
 };
 
+/// Largest angle of a bounding sphere in a cut. Methods that sum logs declare it, and [`RATIO`] and [`CLUSTER`] with it.
+pub const CUT: ParamSpec = ParamSpec {
+    name: "cut",
+    kind: Kind::Float { min: 0.0, max: 60.0, default: 0.0 },
+    phase: Phase::Prepare,
+    help: "bounding spheres below this angular radius (degrees) stand for groups of blockers, cluster by cluster; 0: none do",
+};
+
+/// Ratio vectors.
+pub const RATIO: ParamSpec = ParamSpec {
+    name: "ratio",
+    kind: Kind::Flag { default: true },
+    phase: Phase::Evaluate,
+    help: "scale the bands of bounding spheres' logs to match, at the middle of a cluster, what they bound",
+};
+
+/// Receivers a cluster.
+pub const CLUSTER: ParamSpec = ParamSpec {
+    name: "cluster",
+    kind: Kind::Int { min: 16, max: 65536, default: 256 },
+    phase: Phase::Update,
+    help: "most receivers that share a cut",
+};
+
 /// Overlap guard.
 pub const GUARD: ParamSpec = ParamSpec {
     name: "guard",
@@ -65,6 +93,20 @@ pub const WINDOW_VISIBILITY: ParamSpec = ParamSpec {
 pub fn gather(params: &Params) -> Gather {
     let self_shadow = SelfShadow::named(params.choice(SELF_SHADOW.name)).expect("declared by the rules' names");
     Gather { self_shadow, min_sin_angle: params.float(MIN_ANGLE.name).to_radians().sin() as f32 }
+}
+
+/// How receivers couple: those that share a cut keep each other company, and another company may change a receiver by so much
+/// radiance as was found on scenes made to overlap.
+pub fn coupling(params: &Params) -> Coupling {
+    if params.float(CUT.name) > 0.0 { Coupling::Clustered(COMPANY) } else { Coupling::Independent }
+}
+
+/// How cuts are made, if there are to be any.
+pub(crate) fn cut(params: &Params, specs: &[ParamSpec]) -> Option<Rule> {
+    let declared = specs.iter().any(|spec| spec.name == CUT.name);
+    let angle = if declared { params.float(CUT.name) } else { 0.0 };
+    let max_sin_angle = angle.to_radians().sin() as f32;
+    (angle > 0.0).then(|| Rule { max_sin_angle, ratios: params.flag(RATIO.name) })
 }
 
 /// The parameters of a sphere-blocker method: the order, its own, then all others that such methods share.

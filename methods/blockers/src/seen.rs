@@ -14,6 +14,9 @@ pub struct Circles {
     pub axes: Vec<[Block<f32>; 3]>,
     /// Sines of the angular radii, in `(0, 1]`; 0 where there is no circle.
     pub sines: Vec<Block<f32>>,
+    /// Factors for the bands of the circles' log visibilities, the same in all lanes, as many a circle as there are bands; none if
+    /// nothing is scaled, which is so unless a method declares [`crate::params::CUT`].
+    pub ratios: Vec<f32>,
 }
 
 /// 16 receivers.
@@ -48,6 +51,8 @@ pub(crate) struct Seen<'a> {
     pub(crate) gather: Gather,
     pub(crate) group: &'a Group,
     pub(crate) spheres: &'a [Sphere],
+    /// As many factors a sphere as there are bands, or none.
+    pub(crate) ratios: &'a [f32],
     pub(crate) circles: &'a mut Circles,
     pub(crate) counts: &'a mut Counts,
 }
@@ -55,13 +60,15 @@ pub(crate) struct Seen<'a> {
 impl Task<f32> for Seen<'_> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
-        let Circles { axes, sines } = self.circles;
+        let Circles { axes, sines, ratios } = self.circles;
         axes.resize(self.spheres.len(), [Block::ZERO; 3]);
         sines.resize(self.spheres.len(), Block::ZERO);
+        let bands = self.ratios.len() / self.spheres.len().max(1);
+        ratios.resize(self.ratios.len(), 0.0);
         let (zero, one) = (V::constant(0.0), V::constant(1.0));
         let least = V::splat(self.gather.min_sin_angle);
         let mut kept = 0;
-        for sphere in self.spheres {
+        for (number, sphere) in self.spheres.iter().enumerate() {
             let mut seen = false;
             for part in 0..LANES / V::WIDTH {
                 let circle = View::<V>::new(self.group, sphere, part).circle(self.gather.self_shadow);
@@ -76,10 +83,12 @@ impl Task<f32> for Seen<'_> {
                 counted.store(&mut sines[kept].0, part);
                 seen |= zero.any_less(counted);
             }
+            ratios[kept * bands..][..bands].copy_from_slice(&self.ratios[number * bands..][..bands]);
             kept += usize::from(seen);
         }
         axes.truncate(kept);
         sines.truncate(kept);
+        ratios.truncate(kept * bands);
     }
 }
 

@@ -1,12 +1,12 @@
 //! Shading of receivers, 16 side by side.
 
 use halflight_contract::Quantity;
-use halflight_scenes::{Receivers, Rgb, Sphere};
+use halflight_scenes::{Receivers, Rgb};
 use halflight_sh::{
     Batch, Block, LANES, apply_bands, clamped_cosine, coefficients, pack, project_binary_bound, unpack,
 };
 
-use crate::{Accumulator, Gather, Tally, Work};
+use crate::{Accumulator, Blockers, Gather, Tally, Work};
 
 /// Above this, light times visibility could overflow: the guard then acts even where it is switched off.
 const OVERFLOW: f32 = 1e30;
@@ -16,7 +16,6 @@ pub(crate) struct Shading<'a, A> {
     pub(crate) accumulator: &'a A,
     pub(crate) batch: Batch,
     pub(crate) gather: Gather,
-    pub(crate) spheres: &'a [Sphere],
     pub(crate) quantity: Quantity,
     pub(crate) guard: bool,
     /// A factor for each band of visibility.
@@ -40,24 +39,41 @@ struct Scratch<S> {
 
 impl<A: Accumulator> Shading<'_, A> {
     /// Fills `out` for the receivers from `first` on, leaving invalid ones as they are.
-    pub(crate) fn chunk(&self, receivers: &Receivers, first: usize, out: &mut [f32]) -> (Tally, Work) {
-        let (channels, size) = (self.quantity.channels(), coefficients(self.batch.order()));
+    pub(crate) fn chunk(
+        &self,
+        receivers: &Receivers,
+        first: usize,
+        blockers: Blockers<'_>,
+        out: &mut [f32],
+    ) -> (Tally, Work) {
+        let channels = self.quantity.channels();
         let valid: Vec<usize> = (first..first + out.len() / channels).filter(|&i| receivers.valid[i]).collect();
+        self.shade(receivers, &valid, blockers, |place, values| {
+            out[(valid[place] - first) * channels..][..channels].copy_from_slice(values);
+        })
+    }
+
+    /// Calls `write` with the place among the numbers and the values of each receiver.
+    pub(crate) fn shade(
+        &self,
+        receivers: &Receivers,
+        numbers: &[usize],
+        blockers: Blockers<'_>,
+        mut write: impl FnMut(usize, &[f32]),
+    ) -> (Tally, Work) {
+        let (channels, size) = (self.quantity.channels(), coefficients(self.batch.order()));
         let mut scratch = self.scratch();
         let (mut tally, mut work) = Default::default();
-        for group in valid.chunks(LANES) {
-            self.visibility(receivers, group, &mut scratch, &mut tally, &mut work);
-            let mut write = |receiver: usize, values: &[f32]| {
-                out[(receiver - first) * channels..][..channels].copy_from_slice(&values[..channels]);
-            };
+        for (group, first) in numbers.chunks(LANES).zip((0..).step_by(LANES)) {
+            self.visibility(receivers, group, blockers, &mut scratch, &mut tally, &mut work);
             if let Quantity::Visibility { .. } = self.quantity {
-                let vectors = scratch.vectors.chunks_exact(size);
-                group.iter().zip(vectors).for_each(|(&receiver, vector)| write(receiver, vector));
+                let vectors = scratch.vectors.chunks_exact(size).take(group.len());
+                (first..).zip(vectors).for_each(|(place, vector)| write(place, &vector[..channels]));
             } else {
                 let irradiance = self.irradiance(receivers, group, &mut scratch);
                 for (lane, &receiver) in group.iter().enumerate() {
                     let irradiance = Rgb::from_array(irradiance.map(|channel| channel.0[lane]));
-                    write(receiver, &(irradiance * receivers.albedo[receiver]).to_array());
+                    write(first + lane, &(irradiance * receivers.albedo[receiver]).to_array());
                 }
             }
         }
@@ -82,6 +98,7 @@ impl<A: Accumulator> Shading<'_, A> {
         &self,
         receivers: &Receivers,
         group: &[usize],
+        blockers: Blockers<'_>,
         scratch: &mut Scratch<A::State>,
         tally: &mut Tally,
         work: &mut Work,
@@ -90,8 +107,8 @@ impl<A: Accumulator> Shading<'_, A> {
         let Scratch { state, visibility, vectors, .. } = scratch;
         accumulator.begin(state);
         let accumulate = |circles: &_| accumulator.block(state, circles);
-        let blockers = self.gather.circles(receivers, group, self.spheres, tally, accumulate);
-        accumulator.finish(state, &blockers[..group.len()], visibility, work);
+        let counts = self.gather.circles(receivers, group, blockers, tally, accumulate);
+        accumulator.finish(state, &counts[..group.len()], visibility, work);
         unpack(order, visibility, vectors);
         for vector in vectors.chunks_exact_mut(coefficients(order)).take(group.len()) {
             if self.guard || vector.iter().any(|v| v.is_nan() || v.abs() > OVERFLOW) {

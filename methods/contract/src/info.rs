@@ -84,7 +84,7 @@ pub struct Info {
     pub backends: &'static [Backend],
     /// Parameters, declared once.
     pub params: &'static [ParamSpec],
-    /// How receivers couple.
+    /// How receivers couple at the default parameters.
     pub coupling: Coupling,
 }
 

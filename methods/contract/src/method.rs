@@ -2,7 +2,7 @@
 
 use halflight_scenes::{Frame, Rgb, SceneFacts};
 
-use crate::{Error, Info, Job, Meter, Params, Quantity, Request, Result, Support};
+use crate::{Coupling, Error, Info, Job, Meter, Params, Quantity, Request, Result, Support};
 
 /// A way to compute light at receivers.
 pub trait Method: Send + Sync {
@@ -16,6 +16,11 @@ pub trait Method: Send + Sync {
     /// error budget goes through it, so that what this method adds stands apart.
     fn approximates(&self) -> Option<&'static str> {
         None
+    }
+
+    /// How receivers couple under these parameters: as [`Info`] says of the default ones, unless a method overrides this.
+    fn coupling(&self, _params: &Params) -> Coupling {
+        self.info().coupling
     }
 
     /// All that is done once for a scene.

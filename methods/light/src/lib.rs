@@ -9,4 +9,4 @@ mod project;
 mod recipe;
 
 pub use project::project;
-pub use recipe::{LightOf, ShLight};
+pub use recipe::{LightOf, SceneLight, ShLight};

@@ -9,10 +9,13 @@
 //!
 //! [`SpheresOf`] is the recipe that keeps a set in the cache, [`proxies`] derives one for every casting object,
 //! and [`blockers`] carries them along with a frame: with poses, and bound to meshes that change their shape ([`Binding`]).
+//! A [`Hierarchy`] bounds groups of them, coarser and coarser, for receivers that are far away.
 
 mod binding;
 mod cluster;
 mod flood;
+mod hierarchy;
+mod levels;
 mod minimise;
 mod posed;
 mod recipe;
@@ -23,6 +26,7 @@ mod set;
 mod voxels;
 
 pub use binding::{Binding, BindingOf};
+pub use hierarchy::Hierarchy;
 pub use posed::{PosedSpheres, Proxy, blockers};
 pub use recipe::{SpheresOf, proxies};
 pub use self_shadow::{Circle, SelfShadow, seen};

@@ -21,7 +21,7 @@ fn object(name: &str, shape: Shape, casts: bool) -> Object {
         content,
         albedo: Rgb::ONE,
         texture: None,
-        emission: Rgb::ZERO,
+        emission: halflight_scenes::Emission::NONE,
         casts,
         motion: Vec::new(),
         pivot: Vec3::ZERO,

@@ -36,7 +36,7 @@ impl Accumulator for OrderedProduct {
         state.empty = true;
     }
 
-    fn block(&self, state: &mut State, Circles { axes, sines }: &Circles) {
+    fn block(&self, state: &mut State, Circles { axes, sines, .. }: &Circles) {
         let State { product, next, circle, zonal, empty } = state;
         for (axis, sine) in axes.iter().zip(sines) {
             self.batch.circle_visibilities(std::slice::from_ref(sine), zonal);
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     /// The product of the circles in a lane by the plain loop, and the norm of the longest intermediate one.
-    fn product(order: usize, Circles { axes, sines }: &Circles, lane: usize) -> (Vec<f32>, f32) {
+    fn product(order: usize, Circles { axes, sines, .. }: &Circles, lane: usize) -> (Vec<f32>, f32) {
         let [mut product, mut circle, mut next] = [0; 3].map(|_| vec![0.0; coefficients(order)]);
         product[0] = (4.0 * std::f32::consts::PI).sqrt();
         let (mut zonal, mut longest) = (vec![0.0; order], norm(product.iter().copied()));

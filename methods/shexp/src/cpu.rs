@@ -37,7 +37,7 @@ pub(crate) struct SeriesExp {
 }
 
 impl Exponential for SeriesExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(DEGREE, SQUARING);
+    const PARAMS: &'static [ParamSpec] = blocker_params!(DEGREE, SQUARING, params::CUT, params::RATIO, params::CLUSTER);
 
     fn new(params: &Params) -> Self {
         SeriesExp { degree: params.int(DEGREE.name), rule: squaring(params) }
@@ -54,7 +54,7 @@ pub(crate) struct HybridExp {
 }
 
 impl Exponential for HybridExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(SQUARING);
+    const PARAMS: &'static [ParamSpec] = blocker_params!(SQUARING, params::CUT, params::RATIO, params::CLUSTER);
 
     fn new(params: &Params) -> Self {
         HybridExp { rule: squaring(params) }
@@ -69,7 +69,7 @@ impl Exponential for HybridExp {
 pub(crate) struct EigenExp;
 
 impl Exponential for EigenExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!();
+    const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER);
 
     fn new(_: &Params) -> Self {
         EigenExp
@@ -114,9 +114,12 @@ impl<E: Exponential> Accumulator for LogSum<E> {
         state.log.fill(Block::ZERO);
     }
 
-    fn block(&self, State { log, zonal, exp }: &mut State, Circles { axes, sines }: &Circles) {
+    fn block(&self, State { log, zonal, exp }: &mut State, Circles { axes, sines, ratios }: &Circles) {
         zonal.resize(self.order * sines.len(), Block::ZERO);
         exp.batch().circle_logs(sines, zonal);
+        if !ratios.is_empty() {
+            exp.batch().scale(ratios, zonal);
+        }
         exp.batch().sum_zonal(zonal, axes, log);
     }
 
@@ -145,8 +148,8 @@ mod tests {
 
     use super::*;
 
-    /// Receivers with from 0 to 20 circles, those of up to 55° among them.
-    fn circles() -> (Circles, [u32; LANES]) {
+    /// Receivers with from 0 to 20 circles, those of up to 55° among them, scaled band by band.
+    fn circles(order: usize) -> (Circles, [u32; LANES]) {
         let (mut circles, mut blockers) = (Circles::default(), [0; LANES]);
         for k in 0..25usize {
             let wave = |lane: usize, phase: f32| ((31 * k + 7 * lane) as f32 + phase).sin();
@@ -155,6 +158,7 @@ mod tests {
             let seen = |lane: usize| (k + 3 * lane) % 20 < lane;
             let sine = |lane| if seen(lane) { 0.05 + 0.77 * wave(lane, 5.0).abs().powi(3) } else { 0.0 };
             circles.sines.push(Block(std::array::from_fn(sine)));
+            circles.ratios.extend((0..order).map(|l| 1.0 + 0.5 * wave(l, 6.0)));
             blockers.iter_mut().enumerate().for_each(|(lane, count)| *count += u32::from(seen(lane)));
         }
         (circles, blockers)
@@ -165,20 +169,23 @@ mod tests {
         let mut state = method.state();
         let mut visibility = vec![Block::splat(f32::NAN); coefficients(method.order)];
         method.begin(&mut state);
-        let Circles { axes, sines } = circles;
-        for (axes, sines) in axes.chunks(16).zip(sines.chunks(16)) {
-            method.block(&mut state, &Circles { axes: axes.to_vec(), sines: sines.to_vec() });
+        let Circles { axes, sines, ratios } = circles;
+        for (part, (axes, sines)) in axes.chunks(16).zip(sines.chunks(16)).enumerate() {
+            let ratios = ratios.chunks(16 * method.order).nth(part).unwrap_or_default().to_vec();
+            method.block(&mut state, &Circles { axes: axes.to_vec(), sines: sines.to_vec(), ratios });
         }
         method.finish(&mut state, blockers, &mut visibility, &mut work);
         (visibility, work)
     }
 
     /// The log of the circles in a lane, one after the other from the table.
-    fn log(order: usize, Circles { axes, sines }: &Circles, lane: usize) -> Vec<f32> {
+    fn log(order: usize, Circles { axes, sines, ratios }: &Circles, lane: usize) -> Vec<f32> {
         let mut sum = vec![0.0; coefficients(order)];
         let (mut zonal, mut circle) = (vec![0.0; order], sum.clone());
-        for (axis, sine) in axes.iter().zip(sines).filter(|(_, sine)| sine.0[lane] > 0.0) {
+        let all = axes.iter().zip(sines).zip(ratios.chunks_exact(order));
+        for ((axis, sine), ratios) in all.filter(|((_, sine), _)| sine.0[lane] > 0.0) {
             CircleTable::log(order).lookup(sine.0[lane], &mut zonal);
+            zonal.iter_mut().zip(ratios).for_each(|(value, ratio)| *value *= ratio);
             rotate_zonal(order, &zonal, axis.map(|component| component.0[lane]), &mut circle);
             sum.iter_mut().zip(&circle).for_each(|(sum, log)| *sum += log);
         }
@@ -191,8 +198,8 @@ mod tests {
 
     /// Each lane is what one vector at a time gives to 1e-3, squarings are as many, and lanes may be reordered.
     fn check<E: Exponential>(single: fn(&mut ExpWorkspace<f32>, &[f32], &mut [f32]) -> sh::Work) {
-        let (circles, blockers) = circles();
         for order in 1..=sh::MAX_ORDER {
+            let (circles, blockers) = circles(order);
             let params = Params::resolve(E::PARAMS, [("order", order.to_string().as_str())]).expect("in range");
             let (visibility, work) = visibilities::<E>(&params, &circles, &blockers);
             let mut expected = Work { additions: blockers.iter().map(|&n| u64::from(n)).sum(), ..Work::default() };
@@ -212,6 +219,7 @@ mod tests {
             let turned = Circles {
                 axes: circles.axes.iter().map(|axis| axis.each_ref().map(turn)).collect(),
                 sines: circles.sines.iter().map(turn).collect(),
+                ratios: circles.ratios.clone(),
             };
             let turned_blockers: Vec<u32> = (0..LANES).map(|lane| blockers[(lane + 5) % LANES]).collect();
             let (again, _) = visibilities::<E>(&params, &turned, &turned_blockers);
@@ -228,11 +236,11 @@ mod tests {
 
     #[test]
     fn receivers_without_circles_see_an_open_sky() {
-        let none = Circles { axes: vec![Default::default()], sines: vec![Block::ZERO] };
+        let none = Circles { axes: vec![Default::default()], sines: vec![Block::ZERO], ratios: Vec::new() };
         let params = Params::defaults(HybridExp::PARAMS);
         let (visibility, work) = visibilities::<HybridExp>(&params, &none, &[0; 3]);
         assert_eq!(work, Work::default());
-        let (circles, mut blockers) = circles();
+        let (circles, mut blockers) = circles(4);
         blockers[3] = 0;
         let (beside, _) = visibilities::<HybridExp>(&params, &circles, &blockers);
         let sky = (4.0 * std::f32::consts::PI).sqrt();

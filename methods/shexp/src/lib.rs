@@ -16,8 +16,8 @@
 
 mod cpu;
 
-use halflight_blockers::{Accumulator, DirectLight, supports};
-use halflight_contract::{Backend, Coupling, Info, Job, Meter, Method, Prepared, Request, Result, Support};
+use halflight_blockers::{Accumulator, DirectLight, params, supports};
+use halflight_contract::{Backend, Coupling, Info, Job, Meter, Method, Params, Prepared, Request, Result, Support};
 use halflight_scenes::SceneFacts;
 
 use cpu::{EigenExp, HybridExp, LogSum, SeriesExp};
@@ -43,6 +43,10 @@ macro_rules! variant {
 
             fn supports(&self, facts: &SceneFacts, request: &Request<'_>) -> Support {
                 supports(facts, request)
+            }
+
+            fn coupling(&self, params: &Params) -> Coupling {
+                params::coupling(params)
             }
 
             fn approximates(&self) -> Option<&'static str> {

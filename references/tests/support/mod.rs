@@ -7,7 +7,8 @@ use glam::{Vec2, Vec3};
 use halflight_contract::{Cache, NoMeter, Quantity};
 use halflight_references::{Error, Estimate, Quality, Reference, Request, estimate};
 use halflight_scenes::{
-    Bodies, Content, Environment, KeyLight, Light, Mesh, Object, Placement, Rgb, Scene, Shape, Sky, Sphere,
+    Bodies, Content, DistantLight, Emission, Environment, KeyLight, Light, Mesh, Object, Placement, Rgb, Scene, Shape,
+    Sky, Sphere,
 };
 
 pub(crate) fn scene(objects: Vec<Object>, lights: Vec<Light>, points: &[(Vec3, Vec3)]) -> Scene {
@@ -16,7 +17,7 @@ pub(crate) fn scene(objects: Vec<Object>, lights: Vec<Light>, points: &[(Vec3, V
         purpose: "a test".into(),
         content: Content::of(b"built"),
         objects,
-        lights,
+        lights: lights.into_iter().map(DistantLight::from).collect(),
         camera: None,
         placement: Placement::Points(Arc::new(points.to_vec())),
         frame_count: 1,
@@ -34,7 +35,7 @@ pub(crate) fn object(shape: Shape) -> Object {
         content,
         albedo: Rgb::ONE,
         texture: None,
-        emission: Rgb::ZERO,
+        emission: Emission::NONE,
         casts: true,
         motion: Vec::new(),
         pivot: Vec3::ZERO,

@@ -1,9 +1,10 @@
-//! Shapes that change over time: skins on skeletons, and procedural deformations.
+//! Shapes that change over time: skins on skeletons, procedural deformations, height fields that swell.
 
 mod clip;
 mod procedural;
 mod skeleton;
 mod skin;
+mod swell;
 
 use glam::{DAffine3, DMat3, Vec3};
 
@@ -12,11 +13,12 @@ pub use procedural::{Form, Procedural};
 pub(crate) use skeleton::{Joint, Skeleton, Transform};
 pub(crate) use skin::{Bone, Influences, Skin, strongest};
 pub use skin::{Carried, Palette};
+pub(crate) use swell::{Growth, Swell, Wave};
 
 use crate::content::Collector;
-use crate::{Content, Mesh};
+use crate::{Content, Mesh, Shape};
 
-/// How an object's mesh changes its shape; triangles and texture coordinates stay.
+/// How an object changes its shape; triangles and texture coordinates, or the grid, stay.
 #[derive(Clone, Debug)]
 pub struct Deformation {
     kind: Kind,
@@ -29,6 +31,7 @@ pub struct Deformation {
 pub(crate) enum Kind {
     Skin(Skin),
     Procedural(Procedural),
+    Swell(Swell),
 }
 
 impl Deformation {
@@ -37,6 +40,7 @@ impl Deformation {
         let written = match &kind {
             Kind::Skin(skin) => skin.collect(Collector::new("skin")),
             Kind::Procedural(procedural) => Collector::new("procedural").bytes(format!("{procedural:?}").as_bytes()),
+            Kind::Swell(swell) => Collector::new("swell").bytes(format!("{swell:?}").as_bytes()),
         };
         let content = placed.to_cols_array().iter().fold(written, |all, v| all.bytes(&v.to_le_bytes())).finish();
         Deformation { kind, placed, content }
@@ -51,7 +55,7 @@ impl Deformation {
     pub fn gather(&self, weights: &[(u32, f64)]) -> Option<Carried> {
         match &self.kind {
             Kind::Skin(skin) => Some(skin.gather(weights)),
-            Kind::Procedural(_) => None,
+            Kind::Procedural(_) | Kind::Swell(_) => None,
         }
     }
 
@@ -59,14 +63,22 @@ impl Deformation {
     pub fn palette(&self, time: f32) -> Option<Palette> {
         match &self.kind {
             Kind::Skin(skin) => Some(Palette(skin.palette(&skin.skeleton.pose_at(f64::from(time)), self.placed))),
-            Kind::Procedural(_) => None,
+            Kind::Procedural(_) | Kind::Swell(_) => None,
         }
     }
 
-    /// The mesh at a time in seconds, made of the one at rest.
-    pub fn at(&self, rest: &Mesh, time: f32) -> Mesh {
+    /// The shape at a time in seconds, made of the one at rest.
+    pub fn at(&self, rest: &Shape, time: f32) -> Shape {
         let time = f64::from(time);
-        let (positions, normals) = match &self.kind {
+        match (rest, &self.kind) {
+            (Shape::Heights(rest), Kind::Swell(swell)) => Shape::Heights(swell.at(rest, time)),
+            (Shape::Mesh(rest), kind) => Shape::Mesh(self.deformed(kind, rest, time)),
+            (rest, _) => rest.clone(),
+        }
+    }
+
+    fn deformed(&self, kind: &Kind, rest: &Mesh, time: f64) -> Mesh {
+        let (positions, normals) = match kind {
             Kind::Skin(skin) => skin.posed(&skin.skeleton.pose_at(time), self.placed),
             Kind::Procedural(procedural) => {
                 let back = self.placed.inverse();
@@ -78,6 +90,7 @@ impl Deformation {
                 };
                 rest.positions.iter().zip(&rest.normals).map(vertex).unzip()
             }
+            Kind::Swell(_) => (rest.positions.clone(), rest.normals.clone()),
         };
         Mesh { positions, normals, uvs: rest.uvs.clone(), triangles: rest.triangles.clone() }
     }

@@ -50,8 +50,8 @@ fn same(given: &Chromaticities) -> bool {
     given.iter().flatten().zip(REC_709.iter().flatten()).all(|(a, b)| (a - b).abs() <= SAME)
 }
 
-/// IEC 61966-2-1.
-pub(super) fn srgb(value: f32) -> f32 {
+/// The light of a number in sRGB (IEC 61966-2-1).
+pub(crate) fn linear(value: f32) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 

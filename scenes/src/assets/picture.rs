@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use ::image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
-use super::color::{ToRec709, srgb};
+use super::color::{ToRec709, linear};
 use super::image::{check_size, radiance};
 use super::{HeightMap, Image};
 use crate::check::Checker;
@@ -27,7 +27,7 @@ pub(super) fn texture(check: Checker, field: &str, bytes: &[u8]) -> Result<Textu
 /// Colours in sRGB, made linear.
 pub(super) fn colors(check: Checker, field: &str, bytes: &[u8]) -> Result<Image, SceneError> {
     let picture = decode(check, field, bytes)?.into_rgb16();
-    let texels = picture.pixels().map(|pixel| Rgb::from_array(pixel.0.map(|v| srgb(f32::from(v) / 65535.0))));
+    let texels = picture.pixels().map(|pixel| Rgb::from_array(pixel.0.map(|v| linear(f32::from(v) / 65535.0))));
     Ok(Image { width: picture.width() as usize, height: picture.height() as usize, texels: texels.collect() })
 }
 

@@ -21,6 +21,16 @@ pub(crate) struct HeightsFile {
     pub(crate) bump: Option<BumpFile>,
     pub(crate) waves: Option<Vec<WaveFile>>,
     pub(crate) fractal: Option<FractalFile>,
+    pub(crate) grow: Option<GrowFile>,
+}
+
+/// All heights grow from second 0 on.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GrowFile {
+    /// Share of the heights at second 0.
+    pub(crate) from: f32,
+    pub(crate) seconds: f32,
 }
 
 /// A plane through the origin.
@@ -84,6 +94,9 @@ pub(crate) struct WaveFile {
     /// At the origin.
     #[serde(default)]
     pub(crate) phase: f32,
+    /// Metres a second along its azimuth.
+    #[serde(default)]
+    pub(crate) speed: f32,
 }
 
 /// A sum of gradient noises, each of half the wavelength of the one before.

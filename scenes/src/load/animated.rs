@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat};
+use glam::{DAffine3, DQuat, Quat, Vec3};
 
 use super::body;
 use super::objects::{Rest, Source};
@@ -17,8 +17,16 @@ fn upright() -> DAffine3 {
 }
 
 impl Source<'_> {
+    /// The change of shape that the entry asks for.
+    pub(super) fn deformation(&self, shape: &Shape, rest: &Rest) -> Result<Option<Arc<Deformation>>, SceneError> {
+        let Some(heights) = &self.file.heights else { return self.procedural(shape, rest) };
+        self.no_deform()?;
+        let swell = super::heights::swell(self.check, &format!("{}.heights", self.field), heights, rest)?;
+        Ok(swell.map(|swell| Arc::new(Deformation::new(Kind::Swell(swell), rest.affine()))))
+    }
+
     /// The deformation by formula that the entry asks for.
-    pub(super) fn procedural(&self, shape: &Shape, rest: &Rest) -> Result<Option<Arc<Deformation>>, SceneError> {
+    fn procedural(&self, shape: &Shape, rest: &Rest) -> Result<Option<Arc<Deformation>>, SceneError> {
         let (check, field) = (self.check, format!("{}.deform", self.field));
         let Some(file) = &self.file.deform else { return Ok(None) };
         check.ensure(matches!(shape, Shape::Mesh(_)), &field, "only beside a mesh or a solid", &self.file.name)?;
@@ -97,22 +105,26 @@ impl Source<'_> {
 
     fn part(&self, name: String, part: Part, rest: &Rest) -> Result<Object, SceneError> {
         let Mesh { positions, normals, uvs, triangles } = part.mesh;
-        let turn = upright().matrix3.as_mat3();
-        let upright_mesh = Mesh {
-            positions: positions.into_iter().map(|p| turn * p).collect(),
-            normals: normals.into_iter().map(|n| turn * n).collect(),
-            uvs,
-            triangles,
+        let turn = |v: Vec3| Vec3::new(v.x, -v.z, v.y);
+        let positions = positions.into_iter().map(turn).collect();
+        let normals: Vec<Vec3> = normals.into_iter().map(turn).collect();
+        // Where nothing turns them, unit normals need no second rounding.
+        let kept = (rest.rotation == Quat::IDENTITY).then(|| normals.clone());
+        let shape = match (self.placed(Shape::Mesh(Mesh { positions, normals, uvs, triangles }), rest)?, kept) {
+            (Shape::Mesh(mesh), Some(normals)) => Shape::Mesh(Mesh { normals, ..mesh }),
+            (shape, _) => shape,
         };
-        let object = self.object(self.placed(Shape::Mesh(upright_mesh), rest)?, rest)?;
-        let deformation = Deformation::new(Kind::Skin(part.skin), rest.affine() * upright());
+        let object = self.object(shape, rest)?;
+        let deformation = || Deformation::new(Kind::Skin(part.skin), rest.affine() * upright());
         let plain = self.file.albedo.is_some();
         Ok(Object {
             name,
             albedo: if plain { object.albedo } else { part.albedo },
             texture: if plain { None } else { part.texture },
-            emission: object.emission + part.emission,
-            deformation: part.animated.then(|| Arc::new(deformation)),
+            emission: part.emission.plus(object.emission.of(0)),
+            casts: object.casts && part.ours.casts.unwrap_or(true),
+            pivot: part.ours.pivot.map_or(object.pivot, |pivot| rest.point(turn(pivot.into()))),
+            deformation: part.animated.then(|| Arc::new(deformation())),
             ..object
         })
     }

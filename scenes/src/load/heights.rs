@@ -5,11 +5,13 @@ mod generate;
 
 use glam::{Vec2, Vec3};
 
+use crate::animation::{Growth, Swell, Wave};
 use crate::assets::{Assets, HeightMap};
 use crate::check::{Checker, FAR};
-use crate::format::{HeightsFile, ObjectFile};
+use crate::format::{GrowFile, HeightsFile, ObjectFile};
 use crate::{HeightField, SceneError};
 
+use super::objects::Rest;
 use super::{MOST_PIXELS, MOST_RECEIVERS};
 
 /// The field about the origin.
@@ -87,6 +89,25 @@ fn generate(check: Checker, field: &str, file: &HeightsFile, cell: Vec2) -> Resu
         None => Ok((size, heights)),
         Some(height) => Err(check.invalid(field, "heights of at most 1e9", height)),
     }
+}
+
+/// What the field does over time.
+pub(super) fn swell(check: Checker, field: &str, file: &HeightsFile, rest: &Rest) -> Result<Option<Swell>, SceneError> {
+    let waves = file.waves.as_deref().map(|waves| generate::waves(check, field, waves)).transpose()?;
+    let waves: Vec<Wave> = waves.into_iter().flatten().filter(|wave| wave.pace != 0.0).collect();
+    let growth = file.grow.as_ref().map(|file| growth(check, &format!("{field}.grow"), file)).transpose()?;
+    let highest: f64 = waves.iter().map(|wave| wave.amplitude.abs()).sum::<f64>() * f64::from(rest.scale);
+    check.ensure(2.0 * highest <= f64::from(FAR), field, "heights of at most 1e9 at all times", highest)?;
+    let swells = !waves.is_empty() || growth.is_some();
+    let (scale, place) = (f64::from(rest.scale), rest.translation.as_dvec3());
+    Ok(swells.then_some(Swell { waves, growth, scale, place }))
+}
+
+fn growth(check: Checker, field: &str, file: &GrowFile) -> Result<Growth, SceneError> {
+    let from =
+        check.ensure((0.0..=1.0).contains(&file.from), &format!("{field}.from"), "a share in 0..=1", file.from)?;
+    let seconds = check.positive(&format!("{field}.seconds"), file.seconds)?;
+    Ok(Growth { from: from.into(), seconds: seconds.into() })
 }
 
 /// Refuses what would turn a field.

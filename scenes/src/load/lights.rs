@@ -2,19 +2,40 @@
 
 use std::sync::Arc;
 
+use glam::Vec2;
+
 use crate::assets::Assets;
 use crate::check::Checker;
-use crate::format::{EnvironmentFile, KeyLightFile, LightFile, SkyFile};
-use crate::{Environment, KeyLight, Light, Rgb, SceneError, Sky};
+use crate::format::{EnvironmentFile, KeyLightFile, LightFile, SkyFile, TurnFile};
+use crate::{DistantLight, Environment, KeyLight, Light, Rgb, SceneError, Sky, Turn};
 
 pub(super) fn load(
     check: Checker,
     assets: &Assets,
     files: &[LightFile],
     notices: &mut Vec<String>,
-) -> Result<Vec<Light>, SceneError> {
-    let light = |(index, file)| light(check, assets, &format!("lights[{index}]"), file, notices);
-    files.iter().enumerate().map(light).collect()
+) -> Result<Vec<DistantLight>, SceneError> {
+    let distant = |(index, file): (usize, &LightFile)| {
+        let field = format!("lights[{index}]");
+        let rest = light(check, assets, &field, file, notices)?;
+        let turn = file.turn.as_ref().map(|file| turn(check, &format!("{field}.turn"), file, &rest)).transpose()?;
+        Ok(DistantLight { rest, turn })
+    };
+    files.iter().enumerate().map(distant).collect()
+}
+
+fn turn(check: Checker, field: &str, file: &TurnFile, light: &Light) -> Result<Turn, SceneError> {
+    let axis = check.direction(&format!("{field}.axis"), file.axis)?;
+    let speed = check.number(&format!("{field}.degrees_a_second"), file.degrees_a_second)?.to_radians();
+    match light {
+        Light::Environment(_) => {
+            let upright = axis.truncate() == Vec2::ZERO;
+            check.ensure(upright, &format!("{field}.axis"), "a vertical axis for an environment", axis)?;
+        }
+        Light::Sky(_) => return Err(check.invalid(field, "beside an environment or a key light", "a sky's")),
+        Light::Key(_) => {}
+    }
+    Ok(Turn { axis, speed })
 }
 
 fn light(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Quat, Vec2, Vec3};
 
-use crate::assets::Assets;
+use crate::assets::{Assets, Image};
 use crate::check::{Checker, FAR};
 use crate::format::{KeyFile, MeshFile, ObjectFile, RandomSpheresFile, Up};
 use crate::random::SplitMix;
@@ -25,12 +25,12 @@ impl Rest {
         DAffine3::from_scale_rotation_translation(DVec3::splat(f64::from(self.scale)), rotation, translation)
     }
 
-    fn point(&self, p: Vec3) -> Vec3 {
+    pub(super) fn point(&self, p: Vec3) -> Vec3 {
         self.rotation * (p * self.scale) + self.translation
     }
 }
 
-pub(super) fn load(
+pub(crate) fn load(
     check: Checker,
     assets: &Assets,
     files: &[ObjectFile],
@@ -62,13 +62,17 @@ pub(super) struct Source<'a> {
 impl Source<'_> {
     fn objects(&self, notices: &mut Vec<String>) -> Result<Vec<Object>, SceneError> {
         self.only_one_shape()?;
+        self.only_plain_emission()?;
         let rest = self.rest()?;
         match (&self.file.gltf, &self.file.character) {
             (Some(gltf), _) => self.gltf(gltf, &rest, notices),
             (_, Some(character)) => Ok(vec![self.character(character, &rest)?]),
             _ => {
-                let shape = self.placed(self.shape(notices)?, &rest)?;
-                Ok(vec![Object { deformation: self.procedural(&shape, &rest)?, ..self.object(shape, &rest)? }])
+                let picture = self.emission_map(notices)?;
+                let shape = self.placed(self.shape(picture.as_ref(), notices)?, &rest)?;
+                let deformation = self.deformation(&shape, &rest)?;
+                let object = self.object(shape, &rest)?;
+                Ok(vec![Object { deformation, emission: self.emission(&object, picture)?, ..object }])
             }
         }
     }
@@ -98,7 +102,7 @@ impl Source<'_> {
             shape: Arc::new(shape),
             albedo: check.albedo(&format!("{field}.albedo"), albedo)?,
             texture: None,
-            emission: check.radiance(&format!("{field}.emission"), file.emission)?,
+            emission: check.radiance(&format!("{field}.emission"), file.emission)?.into(),
             casts: file.casts,
             motion: motion(check, field, &file.motion)?,
             pivot: rest.translation,
@@ -139,7 +143,7 @@ impl Source<'_> {
         }
     }
 
-    fn shape(&self, notices: &mut Vec<String>) -> Result<Shape, SceneError> {
+    fn shape(&self, emission: Option<&Image>, notices: &mut Vec<String>) -> Result<Shape, SceneError> {
         let (check, assets, file) = (self.check, self.assets, self.file);
         let at = |name: &str| format!("{}.{name}", self.field);
         if let Some(mesh) = &file.mesh {
@@ -152,7 +156,11 @@ impl Source<'_> {
             random_spheres(check, &at("random_spheres"), spheres).map(Shape::Spheres)
         } else if let Some(plane) = &file.plane {
             let [width, height] = plane.size.map(|side| check.positive(&at("plane.size"), side));
-            Ok(Shape::Mesh(mesh::plane(Vec2::new(width?, height?))))
+            let size = Vec2::new(width?, height?);
+            Ok(Shape::Mesh(match emission {
+                None => mesh::plane(size),
+                Some(picture) => mesh::cells(size, picture.width, picture.height),
+            }))
         } else if let Some(heights) = &file.heights {
             super::heights::load(check, assets, &at("heights"), heights).map(Shape::Heights)
         } else {
@@ -163,10 +171,8 @@ impl Source<'_> {
 
 fn read_mesh(assets: &Assets, field: &str, file: &MeshFile, notices: &mut Vec<String>) -> Result<Mesh, SceneError> {
     let asset = assets.read(field, &file.file, file.sha256.as_deref())?;
-    let (mut mesh, dropped) = asset.mesh(file.weld, file.drop_degenerate)?;
-    if dropped > 0 {
-        notices.push(format!("{}: dropped {dropped} triangles without area", asset.path.display()));
-    }
+    let (mut mesh, mended) = asset.mesh(file.weld, file.drop_degenerate)?;
+    notices.extend(mended.notices(&asset.path.display().to_string()));
     if let Up::Y = file.up {
         let upright = |v: &mut Vec3| *v = Vec3::new(v.x, -v.z, v.y);
         mesh.positions.iter_mut().chain(&mut mesh.normals).for_each(upright);

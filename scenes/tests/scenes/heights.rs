@@ -163,6 +163,45 @@ fn pictures_of_heights_have_north_at_the_top() {
     }
 }
 
+#[test]
+fn waves_run_and_ground_grows_with_the_frames() {
+    let frames = "[frames]\ncount = 5\nfps = 4.0\n";
+    let wave =
+        "waves = [{ amplitude = 0.5, wavelength = 4, speed = 2 }, { amplitude = 0.1, wavelength = 3, azimuth = 90 }]";
+    let scene = load(&format!("{}translate = [0, 0, 7]\n{frames}", generated(wave)));
+    assert_eq!((scene.facts().deforming, scene.facts().moving), (1, true));
+    let expected = |position: Vec3, time: f64| {
+        let turn = std::f64::consts::TAU;
+        let run = 0.5 * (turn * (f64::from(position.x) - 2.0 * time) / 4.0).sin();
+        7.0 + run + 0.1 * (turn * f64::from(position.y) / 3.0).sin()
+    };
+    for index in 0..5 {
+        let frame = scene.frame(index);
+        for position in &frame.receivers.position {
+            let expected = expected(*position, index as f64 / 4.0);
+            assert!((f64::from(position.z) - expected).abs() < 1e-5, "{index}: {position} for {expected}");
+        }
+        let mut hit = [None];
+        let down = halflight_trace::Ray {
+            origin: Vec3::new(0.1, 0.2, 20.0),
+            direction: -Vec3::Z,
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        };
+        scene.world(&frame, halflight_scenes::Which::All).closest(&[down], &mut hit);
+        let Shape::Heights(now) = &*frame.objects[0].shape else { panic!("a field") };
+        let surface = now.surface(2.1 / 0.5, 3.2) as f32;
+        assert!((20.0 - hit[0].expect("a hit").t - surface).abs() < 1e-4, "rays meet the field as it is");
+    }
+    let still = load(&format!("{}{frames}", generated(&wave.replace(", speed = 2", ""))));
+    assert_eq!((still.facts().deforming, still.facts().moving), (0, false));
+
+    let grow = "cone = { height = 4, radius = 2 }, grow = { from = 0.5, seconds = 0.5 }";
+    let scene = load(&format!("{}{frames}", generated(grow)));
+    let top = |index: usize| scene.frame(index).receivers.position.iter().map(|p| p.z).fold(0.0, f32::max);
+    assert_eq!([0, 1, 2, 3].map(top), [2.0, 3.0, 4.0, 4.0]);
+}
+
 fn refused(folder: &Folder, text: &str, place: &str, expected: &str) {
     let error = folder.load(text).expect_err(text).to_string();
     assert!(
@@ -195,6 +234,17 @@ fn values_that_cannot_be() {
             replaced("cone = { height = 4, radius = 2 }", ""),
             "objects[0].heights: ",
             "exactly one of file, ramp, trench",
+        ),
+        (
+            replaced("cone", "grow = { from = 2, seconds = 1 }, cone"),
+            "objects[0].heights.grow.from: ",
+            "share in 0..=1",
+        ),
+        (replaced("cone", "grow = { from = 0, seconds = 0 }, cone"), "objects[0].heights.grow.seconds: ", "positive"),
+        (
+            format!("{cone}deform = {{ period = 1, twist = {{ degrees = 9, height = 1 }} }}\n"),
+            "objects[0].deform: ",
+            "mesh or a solid",
         ),
         (replaced("cone", "wall = { height = 1 }, cone"), "objects[0].heights: ", "found [\"wall\", \"cone\"]"),
         (replaced("cone", "sha256 = \"00\", cone"), "objects[0].heights.sha256: ", "beside a file"),

@@ -41,6 +41,7 @@ fn content_follows_everything_that_decides_the_picture() {
         ("radius = 1.0 }", "radius = 1.0 }\nmotion = [{ time = 0.0, translate = [0.0, 0.0, 1.0] }]"),
         ("uniform", "overcast"),
         ("angular_radius = 5.0", "angular_radius = 6.0"),
+        ("10.0, 9.0, 8.0] }", "10.0, 9.0, 8.0] }\nturn = { degrees_a_second = 1.0 }"),
         ("purpose", "frames = { count = 2 }\npurpose"),
         ("purpose", "frames = { count = 1, fps = 30.0 }\npurpose"),
     ];

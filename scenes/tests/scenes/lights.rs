@@ -34,7 +34,7 @@ fn load(folder: &Folder, light: &str) -> Result<Scene, SceneError> {
 }
 
 fn environment(scene: &Scene) -> &Environment {
-    match &scene.lights[0] {
+    match &scene.lights[0].rest {
         Light::Environment(environment) => environment,
         other => panic!("{other:?}"),
     }
@@ -55,7 +55,7 @@ fn pictures_keep_their_texels_and_their_orientation() {
                 let polar = (y as f32 + 0.5) / HEIGHT as f32 * PI;
                 let azimuth = -(x as f32 + 0.5) / WIDTH as f32 * 2.0 * PI;
                 let direction = Vec3::new(polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos());
-                assert_eq!(scene.lights[0].radiance(direction), value(x, y), "{file} {x} {y}");
+                assert_eq!(scene.lights[0].rest.radiance(direction), value(x, y), "{file} {x} {y}");
             }
         }
     }
@@ -72,8 +72,8 @@ fn scale_and_rotation_apply() {
     // Column 0 began at +x; a quarter turn towards +y puts its centre to 67.5°.
     let azimuth = 67.5f32.to_radians();
     let direction = Vec3::new(azimuth.cos(), azimuth.sin(), 2.0).normalize();
-    assert_eq!(scene.lights[0].radiance(direction), value(0, 0) * 0.5);
-    assert_eq!(scene.radiance(-Vec3::Z).y, value(0, HEIGHT - 1).y * 0.5);
+    assert_eq!(scene.lights[0].rest.radiance(direction), value(0, 0) * 0.5);
+    assert_eq!(scene.frame(0).radiance(-Vec3::Z).y, value(0, HEIGHT - 1).y * 0.5);
 }
 
 #[test]
@@ -158,5 +158,42 @@ fn other_channels_and_files_are_refused() {
         folder.write(file, "");
         let error = load(&folder, &format!("file = {file:?}")).unwrap_err().to_string();
         assert!(error.contains(file) && error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn lights_turn_with_the_frames() {
+    let folder = Folder::new();
+    write_exr(&folder, "map.exr", value);
+    let frames = ("purpose", "frames = { count = 5, fps = 2.0 }\npurpose");
+    let (sky, key) = ("sky = { uniform = [1.0, 1.0, 1.0] }", "angular_radius = 5.0, radiance = [10.0, 9.0, 8.0] }");
+    let map = "environment = { file = \"map.exr\" }\nturn = { degrees_a_second = 45.0 }";
+    let turning_key = format!("{key}\nturn = {{ axis = [0.0, 1.0, 0.0], degrees_a_second = -30.0 }}");
+    let scene = folder.load_with(&[frames, (sky, map), (key, &turning_key)]).unwrap();
+    assert_eq!(scene.facts().turning, 2);
+    // Half a second a frame: after four a quarter turn, and the key light, at 45° in the xz plane, has gone down to -15°.
+    let (first, last) = (scene.frame(0), scene.frame(4));
+    let [mapped, lit] = [&last.lights[0].light, &last.lights[1].light];
+    let (before, after) = (Vec3::new(1.0, -0.2, 0.3).normalize(), Vec3::new(0.2, 1.0, 0.3).normalize());
+    assert_eq!(first.lights[0].light.radiance(before), mapped.radiance(after));
+    assert_ne!(mapped.radiance(before), mapped.radiance(after));
+    let Light::Key(lit) = lit else { panic!("a key light") };
+    let expected = Vec3::new(-(15f32.to_radians().sin()), 0.0, 15f32.to_radians().cos());
+    assert!(lit.direction.distance(expected) < 1e-6, "{}", lit.direction);
+    let revisions = |frame: usize| scene.frame(frame).lights.iter().map(|posed| posed.revision).collect::<Vec<_>>();
+    assert!(revisions(0)[0] != revisions(1)[0] && revisions(0)[1] != revisions(1)[1]);
+    assert_eq!(revisions(2), revisions(2));
+    for (light, to, expected) in [
+        (sky, format!("{sky}\nturn = {{ degrees_a_second = 1.0 }}"), "lights[0].turn: expected beside an environment"),
+        (
+            sky,
+            format!("{map}\n").replace("{ d", "{ axis = [0.1, 0.0, 1.0], d"),
+            "lights[0].turn.axis: expected a vertical",
+        ),
+        (key, format!("{key}\nturn = {{ degrees_a_second = inf }}"), "lights[1].turn.degrees_a_second"),
+        (key, format!("{key}\nturn = {{ axis = [0.0, 0.0, 0.0], degrees_a_second = 1.0 }}"), "lights[1].turn.axis"),
+    ] {
+        let error = folder.load_with(&[(light, &to)]).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
     }
 }

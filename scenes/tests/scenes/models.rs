@@ -9,14 +9,14 @@ use crate::folder::Folder;
 
 /// A GLB under construction: views and accessors over one binary chunk.
 #[derive(Default)]
-struct Builder {
+pub(crate) struct Builder {
     bytes: Vec<u8>,
     views: Vec<String>,
     accessors: Vec<String>,
 }
 
 impl Builder {
-    fn view(&mut self, bytes: &[u8]) -> usize {
+    pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {
         let (offset, length) = (self.bytes.len(), bytes.len());
         self.views.push(format!(r#"{{"buffer":0,"byteOffset":{offset},"byteLength":{length}}}"#));
         self.bytes.extend_from_slice(bytes);
@@ -31,7 +31,7 @@ impl Builder {
         self.accessors.len() - 1
     }
 
-    fn floats(&mut self, kind: &str, width: usize, values: &[f32]) -> usize {
+    pub(crate) fn floats(&mut self, kind: &str, width: usize, values: &[f32]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         // Bounds are only needed of positions, where they are not looked at but must be there.
         let more = if kind == "VEC3" { r#","min":[-9,-9,-9],"max":[9,9,9]"# } else { "" };
@@ -44,7 +44,7 @@ impl Builder {
         self.accessor(&bytes, 5126, "SCALAR", values.len(), &more)
     }
 
-    fn finish(mut self, rest: &str) -> Vec<u8> {
+    pub(crate) fn finish(mut self, rest: &str) -> Vec<u8> {
         let (views, accessors, length) = (self.views.join(","), self.accessors.join(","), self.bytes.len());
         let mut json = format!(
             r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{length}}}],"bufferViews":[{views}],"accessors":[{accessors}],{rest}}}"#
@@ -189,7 +189,8 @@ fn what_the_file_says_of_looks_and_motion_is_taken_over() {
     let scene = loaded(&model(), "clip = \"0\", play = { start = 0.5, speed = 2.0, repeat = true }").unwrap();
     let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).collect();
     assert_eq!(names, ["model.0", "model.1"]);
-    assert_eq!((scene.objects[0].albedo, scene.objects[0].emission), (Rgb::new(0.5, 0.25, 0.125), Rgb::Z));
+    let looks = (scene.objects[0].albedo, &scene.objects[0].emission);
+    assert_eq!(looks, (Rgb::new(0.5, 0.25, 0.125), &Rgb::Z.into()));
     assert_eq!(scene.facts().deforming, 2);
     // Twice as fast, 1.25 s long: from 0.5 s over the end to the beginning.
     let plain = loaded(&model(), "clip = \"wave\"").unwrap();

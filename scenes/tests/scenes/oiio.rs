@@ -54,7 +54,7 @@ fn textured(folder: &Folder) -> Result<Scene, SceneError> {
 }
 
 fn environment(scene: &Scene) -> &Environment {
-    match &scene.lights[0] {
+    match &scene.lights[0].rest {
         Light::Environment(environment) => environment,
         other => panic!("{other:?}"),
     }

@@ -25,6 +25,7 @@ fn all_load_with_purpose_and_valid_receivers() {
         "room",
         "sphere-plane",
         "spheres-60",
+        "stage",
         "teapot-sunset",
         "trench",
         "walker",

@@ -15,6 +15,10 @@ fn scene(file: &str) -> String {
         "exr" if file.contains("fault") => {
             (format!("heights = {{ file = \"{file}\", cell = [30.0, 30.0] }}"), String::new())
         }
+        "png" => {
+            let map = format!("emission = [1.0, 1.0, 1.0]\nemission_map = {{ file = \"{file}\" }}");
+            (format!("plane = {{ size = [1.0, 1.0] }}\n{map}"), String::new())
+        }
         "exr" => {
             ("plane = { size = [1.0, 1.0] }".into(), format!("[[lights]]\nenvironment = {{ file = \"{file}\" }}\n"))
         }

@@ -4,19 +4,22 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use halflight_scenes::{
-    Content, Environment, Frame, KeyLight, Layout, Light, Mesh, Object, Receivers, Revision, Rgb, Scene, Shape, Sky,
-    Sphere,
+    Content, DistantLight, Environment, Frame, KeyLight, Layout, Light, Mesh, Object, Receivers, Revision, Rgb, Scene,
+    Shape, Sky, Sphere,
 };
 
 /// The scene under other lights.
-pub(super) fn relit(scene: &Scene, lights: Vec<Light>) -> Scene {
+pub(super) fn relit(scene: &Scene, lights: Vec<DistantLight>) -> Scene {
     let hashes: Vec<String> = lights.iter().map(|light| light.content().to_string()).collect();
     Scene { content: after(scene.content, &hashes.concat()), lights, ..scene.clone() }
 }
 
 /// The scene with every light's radiance multiplied.
 pub(super) fn brighter(scene: &Scene, factor: Rgb) -> Scene {
-    relit(scene, scene.lights.iter().map(|light| scaled(light, factor)).collect())
+    relit(
+        scene,
+        scene.lights.iter().map(|light| DistantLight { rest: scaled(&light.rest, factor), ..light.clone() }).collect(),
+    )
 }
 
 fn scaled(light: &Light, factor: Rgb) -> Light {

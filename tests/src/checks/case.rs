@@ -89,12 +89,14 @@ impl<'a> Case<'a> {
     }
 
     /// This case with one parameter at a time set to its least, middle and greatest value, or to every word or switch,
-    /// as far as the method supports it. The default is left out.
+    /// as far as the method supports it. What it is set to already is left out.
     pub fn variants(&self) -> Vec<(&'static ParamSpec, Self)> {
         let specs = self.method.info().params;
         let vary = |spec: &'static ParamSpec| settings(spec).into_iter().map(move |text| (spec, text));
         let tune = |(spec, text): (&'static ParamSpec, String)| {
-            let params = Params::resolve(specs, [(spec.name, text.as_str())]).expect("settings are in range");
+            let mine: Vec<_> = self.params.iter().map(|(name, value)| (name, value.to_string())).collect();
+            let settings = mine.iter().map(|(name, value)| (*name, value.as_str())).chain([(spec.name, text.as_str())]);
+            let params = Params::resolve(specs, settings).expect("settings are in range");
             (spec, self.tuned(params))
         };
         let differs = |case: &Self| case.params != self.params && case.is_supported();

@@ -30,7 +30,7 @@ fn walk(case: &Case<'_>) -> Vec<Frame> {
     let on = case.frames.iter();
     let back = case.frames.iter().rev().skip(1);
     let mut frames: Vec<Frame> = on.chain(back).chain([last, first]).cloned().collect();
-    if case.method.info().coupling != Coupling::Grid {
+    if case.method.coupling(&case.params) != Coupling::Grid {
         let half: Vec<usize> = (0..first.receivers.len()).step_by(2).collect();
         frames.extend([with_receivers(first, &half), first.clone()]);
     }

@@ -25,7 +25,7 @@ pub use case::Case;
 pub use derived::shared_derived_data;
 pub use footprint::footprint_counts_results;
 pub use frames::fresh_equals_updated;
-pub use light::linear_in_light;
+pub use light::{linear_in_light, turning_light};
 pub use meters::meter_balanced;
 pub use order::permuted_receivers;
 pub use output::{dirty_output, finite_output, repeated_evaluation};
@@ -66,6 +66,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     ("cancellation", cancellation),
     ("shared_derived_data", shared_derived_data),
     ("linear_in_light", linear_in_light),
+    ("turning_light", turning_light),
     ("meter_balanced", meter_balanced),
     ("footprint_counts_results", footprint_counts_results),
 ];

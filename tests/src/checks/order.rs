@@ -9,7 +9,7 @@ use super::{Breach, Case, Outcome, Verdict, Violation, close, ensure, same_bits}
 /// The same receivers in another order, or a part of them, get what the method's [`Coupling`] promises: the same bits,
 /// or within its bound under a unit environment at unit albedo. Grids are exempt, for their order is part of the input.
 pub fn permuted_receivers(case: &Case<'_>) -> Result<Verdict, Violation> {
-    case.judge("permuted_receivers", || match case.method.info().coupling {
+    case.judge("permuted_receivers", || match case.method.coupling(&case.params) {
         Coupling::Independent => {
             regrouped(case, &case.frames, |what, expected, found| same_bits(what, expected, found))
         }
@@ -23,7 +23,7 @@ fn clustered(case: &Case<'_>, bound: f32) -> Outcome {
     if let Quantity::Visibility { .. } = case.quantity {
         return Ok(Verdict::Exempt("the bound of clusters is on radiance"));
     }
-    let scene = relit(case.scene, vec![Light::Sky(Sky::Uniform(Rgb::ONE))]);
+    let scene = relit(case.scene, vec![Light::Sky(Sky::Uniform(Rgb::ONE)).into()]);
     let case = case.on(&scene);
     let frames: Vec<Frame> = case.frames.iter().map(of_unit_albedo).collect();
     regrouped(&case, &frames, |what, expected, found| {

@@ -49,7 +49,6 @@ impl Method for Cancellable {
             passes_off_half: self.passes_off_half,
             params: job.params.clone(),
             at_rest: toy::casters_at_rest(job.scene, job.params.float("inflate") as f32),
-            light: toy::mean_light(job.scene),
             spheres: Vec::new(),
             results: Vec::new(),
         }))
@@ -61,7 +60,6 @@ struct Ready {
     passes_off_half: bool,
     params: Params,
     at_rest: Vec<Vec<Sphere>>,
-    light: Rgb,
     spheres: Vec<Sphere>,
     results: Vec<Rgb>,
 }
@@ -84,13 +82,13 @@ impl Prepared for Ready {
 
     fn evaluate(&mut self, frame: &Frame, _: Quantity, meter: &mut dyn Meter) -> Result<()> {
         let receivers = &*frame.receivers;
-        let strength = self.params.float("strength") as f32;
+        let (strength, light) = (self.params.float("strength") as f32, toy::mean_light(frame));
         let covered = match timed(meter, "solve", |meter| self.solve(frame, meter)) {
             Solution::Whole(covered) => covered,
             Solution::Half(covered) if self.passes_off_half => covered,
             Solution::Half(_) => return Err(Error::Cancelled),
         };
-        let shade = |(i, covered): (usize, &f32)| toy::shaded(receivers, i, self.light, strength * covered);
+        let shade = |(i, covered): (usize, &f32)| toy::shaded(receivers, i, light, strength * covered);
         self.results = covered.iter().enumerate().map(shade).collect();
         Ok(())
     }

@@ -56,7 +56,6 @@ impl Method for Clustered {
             first_decides: self.first_decides,
             params: job.params.clone(),
             at_rest: toy::casters_at_rest(job.scene, job.params.float("inflate") as f32),
-            light: toy::mean_light(job.scene),
             spheres: Vec::new(),
             results: Vec::new(),
         }))
@@ -68,7 +67,6 @@ struct Ready {
     first_decides: bool,
     params: Params,
     at_rest: Vec<Vec<Sphere>>,
-    light: Rgb,
     spheres: Vec<Sphere>,
     results: Vec<Rgb>,
 }
@@ -91,7 +89,7 @@ impl Prepared for Ready {
 
     fn evaluate(&mut self, frame: &Frame, _: Quantity, meter: &mut dyn Meter) -> Result<()> {
         let receivers = &*frame.receivers;
-        let strength = self.params.float("strength") as f32;
+        let (strength, light) = (self.params.float("strength") as f32, toy::mean_light(frame));
         self.results = vec![Rgb::ZERO; receivers.len()];
         for members in clusters(receivers) {
             let near = self.near(receivers, &members, strength);
@@ -99,7 +97,7 @@ impl Prepared for Ready {
             for i in members {
                 let (position, normal) = (receivers.position[i], receivers.geometric_normal[i]);
                 let covered: f32 = near.iter().map(|sphere| toy::covered(position, normal, sphere)).sum();
-                self.results[i] = toy::shaded(receivers, i, self.light, strength * covered);
+                self.results[i] = toy::shaded(receivers, i, light, strength * covered);
             }
         }
         Ok(())

@@ -41,8 +41,11 @@ impl Method for SharedDerived {
         self.info
     }
 
-    fn supports(&self, _: &SceneFacts, request: &Request<'_>) -> Support {
-        toy::supports(request)
+    fn supports(&self, facts: &SceneFacts, request: &Request<'_>) -> Support {
+        match facts.turning {
+            0 => toy::supports(request),
+            _ => Support::Skip("derives its light once".into()),
+        }
     }
 
     fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {
@@ -97,7 +100,7 @@ impl Derived for LightOf {
     }
 
     fn make(&self, job: &Job<'_, '_>, _: &mut dyn Meter) -> Result<Rgb> {
-        Ok(toy::mean_light(job.scene))
+        Ok(toy::mean_light(&job.scene.frame(0)))
     }
 }
 

@@ -24,6 +24,8 @@ pub enum Fault {
     CountsReceivers,
     /// The first frame is kept for good.
     KeepsFirstFrame,
+    /// The first light is kept for good.
+    KeepsFirstLight,
     /// New parameters are ignored.
     IgnoresRetune,
     /// Of several new parameters the first alone is taken.
@@ -50,13 +52,14 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault, with the check that must reject it.
-    pub const ALL: [(Fault, &'static str); 17] = [
+    pub const ALL: [(Fault, &'static str); 18] = [
         (Fault::SkipsInvalid, "dirty_output"),
         (Fault::ReadsOnce, "repeated_evaluation"),
         (Fault::Accumulates, "repeated_evaluation"),
         (Fault::DividesByZero, "finite_output"),
         (Fault::CountsReceivers, "permuted_receivers"),
         (Fault::KeepsFirstFrame, "fresh_equals_updated"),
+        (Fault::KeepsFirstLight, "turning_light"),
         (Fault::IgnoresRetune, "retuned_equals_fresh"),
         (Fault::RetunesOneParam, "retuned_equals_fresh"),
         (Fault::TakesPrepareParams, "retuned_equals_fresh"),
@@ -155,7 +158,11 @@ impl Prepared for Ready<'_> {
         }
         self.valid.clone_from(&frame.receivers.valid);
         (self.evaluations, self.reads) = (self.evaluations + 1, 0);
-        let result = self.inner.evaluate(frame, quantity, meter);
+        let lights = self.first.as_ref().map_or_else(Vec::new, |first| first.lights.clone());
+        let result = match self.fault {
+            Fault::KeepsFirstLight => self.inner.evaluate(&Frame { lights, ..frame.clone() }, quantity, meter),
+            _ => self.inner.evaluate(frame, quantity, meter),
+        };
         self.was_cancelled |= matches!(result, Err(Error::Cancelled));
         match (self.fault, &result) {
             (Fault::HidesCancel, Err(Error::Cancelled)) => Ok(()),

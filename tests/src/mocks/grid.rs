@@ -49,7 +49,6 @@ impl Method for Grid {
             forgets_left: self.forgets_left,
             params: job.params.clone(),
             at_rest: toy::casters_at_rest(job.scene, job.params.float("inflate") as f32),
-            light: toy::mean_light(job.scene),
             receivers: None,
             objects: Vec::new(),
             covered: Vec::new(),
@@ -69,7 +68,6 @@ struct Ready {
     forgets_left: bool,
     params: Params,
     at_rest: Vec<Vec<Sphere>>,
-    light: Rgb,
     /// Revision of the receivers that `covered` is for; `None` if every cell is stale.
     receivers: Option<Revision>,
     /// Every object as of the last update.
@@ -119,8 +117,8 @@ impl Prepared for Ready {
     }
 
     fn evaluate(&mut self, frame: &Frame, _: Quantity, _: &mut dyn Meter) -> Result<()> {
-        let strength = self.params.float("strength") as f32;
-        let shade = |(i, covered): (usize, &f32)| toy::shaded(&frame.receivers, i, self.light, strength * covered);
+        let (strength, light) = (self.params.float("strength") as f32, toy::mean_light(frame));
+        let shade = |(i, covered): (usize, &f32)| toy::shaded(&frame.receivers, i, light, strength * covered);
         self.results = self.covered.iter().enumerate().map(shade).collect();
         Ok(())
     }

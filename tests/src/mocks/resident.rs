@@ -49,7 +49,6 @@ impl Method for Resident {
             adds: self.adds,
             params: job.params.clone(),
             at_rest: toy::casters_at_rest(job.scene, job.params.float("inflate") as f32),
-            light: toy::mean_light(job.scene),
             spheres: Buffer::default(),
             receivers: Buffer::default(),
             results: Vec::new(),
@@ -85,7 +84,6 @@ struct Ready {
     adds: bool,
     params: Params,
     at_rest: Vec<Vec<Sphere>>,
-    light: Rgb,
     spheres: Buffer<Sphere>,
     receivers: Buffer<Receivers>,
     results: Vec<Rgb>,
@@ -111,10 +109,11 @@ impl Prepared for Ready {
         let strength = self.params.float("strength") as f32;
         self.receivers.sync(frame.receivers.revision, meter, || vec![(*frame.receivers).clone()]);
         let receivers = &self.receivers.data[0];
+        let light = toy::mean_light(frame);
         let shade = |i: usize| {
             let (position, normal) = (receivers.position[i], receivers.geometric_normal[i]);
             let covered: f32 = self.spheres.data.iter().map(|sphere| toy::covered(position, normal, sphere)).sum();
-            toy::shaded(receivers, i, self.light, strength * covered)
+            toy::shaded(receivers, i, light, strength * covered)
         };
         self.results = (0..receivers.len()).map(shade).collect();
         Ok(())

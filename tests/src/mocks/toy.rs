@@ -37,13 +37,12 @@ pub(super) fn supports(request: &Request<'_>) -> Support {
 }
 
 /// Mean radiance of the zenith and eight directions at 45° around it.
-pub(super) fn mean_light(scene: &Scene) -> Rgb {
+pub(super) fn mean_light(frame: &Frame) -> Rgb {
     let ring = (0..8).map(|i| {
         let (sin, cos) = (i as f32 * std::f32::consts::FRAC_PI_4).sin_cos();
         Vec3::new(cos, sin, 1.0).normalize()
     });
-    let radiance = |direction| scene.lights.iter().map(|light| light.radiance(direction)).sum::<Rgb>();
-    ring.chain([Vec3::Z]).map(radiance).sum::<Rgb>() / 9.0
+    ring.chain([Vec3::Z]).map(|direction| frame.radiance(direction)).sum::<Rgb>() / 9.0
 }
 
 /// Spheres of one object in rest position: its own, or one around its mesh.

@@ -48,6 +48,15 @@ impl Batch {
         out
     }
 
+    /// Multiplies each block by a factor of its own, the same in all lanes.
+    ///
+    /// # Panics
+    /// If there are not as many factors as blocks.
+    pub fn scale<T: Real>(&self, factors: &[T], blocks: &mut [Block<T>]) {
+        assert_eq!(factors.len(), blocks.len(), "one factor a block");
+        run(self.simd, ScaleEach { factors, blocks });
+    }
+
     /// Overwrites the lanes of `out` in which `values` exceeds `bound` with those of `input`.
     ///
     /// # Panics
@@ -74,6 +83,22 @@ impl<T: Real> Task<T> for Weighted<'_, T> {
                 sums[i % 4] = V::splat(weight).mul_add(V::load(&x.0, part), sums[i % 4]);
             }
             sums[0].add(sums[1]).add(sums[2].add(sums[3])).store(&mut self.out.0, part);
+        }
+    }
+}
+
+struct ScaleEach<'a, T> {
+    factors: &'a [T],
+    blocks: &'a mut [Block<T>],
+}
+
+impl<T: Real> Task<T> for ScaleEach<'_, T> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        for (&factor, block) in self.factors.iter().zip(self.blocks) {
+            for part in 0..LANES / V::WIDTH {
+                V::load(&block.0, part).mul(V::splat(factor)).store(&mut block.0, part);
+            }
         }
     }
 }

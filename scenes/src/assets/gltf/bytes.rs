@@ -68,7 +68,7 @@ fn shortened(uri: &str) -> String {
 }
 
 /// `%20` and its like become the bytes that they stand for.
-fn unescaped(uri: &str) -> String {
+pub(super) fn unescaped(uri: &str) -> String {
     let mut bytes = Vec::new();
     let mut rest = uri.as_bytes();
     while let Some((first, tail)) = rest.split_first() {

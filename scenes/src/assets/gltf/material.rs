@@ -1,16 +1,16 @@
 //! What a material reflects and emits, as far as diffuse surfaces go.
 
-use gltf::Material;
 use gltf::image::Source;
+use gltf::{Material, texture::Info};
 
 use super::File;
 use crate::assets::picture;
-use crate::{Mesh, Rgb, SceneError, Texture};
+use crate::{Emission, Mesh, Rgb, SceneError, Texture};
 
 pub(super) struct Look {
     pub(super) albedo: Rgb,
     pub(super) texture: Option<Texture>,
-    pub(super) emission: Rgb,
+    pub(super) emission: Emission,
 }
 
 pub(super) fn look(
@@ -23,22 +23,23 @@ pub(super) fn look(
     let [red, green, blue, _] = base.base_color_factor();
     let place = material.index().map_or("material".to_owned(), |index| format!("materials[{index}]"));
     let emission = Rgb::from_array(material.emissive_factor()) * material.emissive_strength().unwrap_or(1.0);
-    if material.emissive_texture().is_some() {
-        notices.push(format!("{}: {place}: emissive texture left out", file.check.file.display()));
-    }
-    let texture = match base.base_color_texture() {
-        Some(info) if !mesh.uvs.is_empty() && info.tex_coord() == 0 => Some(texture(file, &info.texture(), notices)?),
+    let emission = file.check.radiance(&format!("{place}.emissiveFactor"), emission.to_array())?;
+    let mut picture = |info: Option<Info>| match info {
+        Some(info) if !mesh.uvs.is_empty() && info.tex_coord() == 0 => {
+            texture(file, &info.texture(), notices).map(Some)
+        }
         Some(_) => {
             notices.push(format!("{}: {place}: texture without its coordinates left out", file.check.file.display()));
-            None
+            Ok(None)
         }
-        None => None,
+        None => Ok(None),
     };
-    Ok(Look {
-        albedo: file.check.albedo(&format!("{place}.baseColorFactor"), [red, green, blue])?,
-        texture,
-        emission: file.check.radiance(&format!("{place}.emissiveFactor"), emission.to_array())?,
-    })
+    let texture = picture(base.base_color_texture())?;
+    let emission = match picture(material.emissive_texture().filter(|_| emission != Rgb::ZERO))? {
+        Some(picture) => Emission::of_picture(emission, &picture, mesh),
+        None => emission.into(),
+    };
+    Ok(Look { albedo: file.check.albedo(&format!("{place}.baseColorFactor"), [red, green, blue])?, texture, emission })
 }
 
 fn texture(file: &File, texture: &gltf::Texture, notices: &mut Vec<String>) -> Result<Texture, SceneError> {

@@ -30,10 +30,8 @@ pub(super) fn read(
     if primitive.morph_targets().len() > 0 {
         notices.push(format!("{}: {place}: morph targets left out", file.check.file.display()));
     }
-    let (mesh, dropped) = proper::mesh(file.check, raw(file, &place, primitive)?, wanted.drop_degenerate)?;
-    if dropped > 0 {
-        notices.push(format!("{}: {place}: dropped {dropped} triangles without area", file.check.file.display()));
-    }
+    let (mesh, mended) = proper::mesh(file.check, raw(file, &place, primitive)?, wanted.drop_degenerate)?;
+    notices.extend(mended.notices(&format!("{}: {place}", file.check.file.display())));
     let Mesh { positions, normals, uvs, triangles } = mesh;
     let skin = match (node.skin(), influences(file, &place, primitive, positions.len())?) {
         (Some(skin), Some(influences)) => {
@@ -44,7 +42,13 @@ pub(super) fn read(
         }
         _ => Skin::rigid(skeleton.clone(), nodes.joint_of[node.index()], positions, normals),
     };
-    let (positions, normals) = skin.posed(&skeleton.at_rest(), DAffine3::IDENTITY);
+    let joints = skeleton.at_rest();
+    // To the last bit, down to the signs of zeros: a model that was written from a scene is that scene's again.
+    if skin.palette(&joints, DAffine3::IDENTITY) == [DAffine3::IDENTITY] {
+        let (positions, normals) = (skin.positions.clone(), skin.normals.clone());
+        return Ok(Some((Mesh { positions, normals, uvs, triangles }, skin)));
+    }
+    let (positions, normals) = skin.posed(&joints, DAffine3::IDENTITY);
     let posed = Mesh { positions, normals, uvs, triangles };
     proper::mesh(file.check, posed.clone(), true)?;
     Ok(Some((posed, skin)))

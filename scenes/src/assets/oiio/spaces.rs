@@ -2,7 +2,7 @@
 
 use halflight_oiio::Numbers;
 
-use crate::assets::color::{Chromaticities, REC_709, srgb};
+use crate::assets::color::{Chromaticities, REC_709, linear};
 
 pub(super) const KNOWN: &str = "a colour space such as linear, sRGB, Rec709, Gamma2.2, ACEScg or AdobeRGB";
 
@@ -26,7 +26,7 @@ impl Transfer {
     pub(super) fn linear(self, value: f32) -> f32 {
         match self {
             Transfer::Linear => value,
-            Transfer::Srgb => srgb(value),
+            Transfer::Srgb => linear(value),
             Transfer::Rec709 => rec709(value),
             // The sign stays: negative numbers are told of later.
             Transfer::Gamma(gamma) => value.signum() * value.abs().powf(gamma),

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DVec2, Vec2};
 
 use crate::SceneError;
+use crate::animation::Wave;
 use crate::check::Checker;
 use crate::format::{HeightsFile, WaveFile};
 
@@ -79,18 +80,8 @@ pub(super) fn heights(check: Checker, field: &str, file: &HeightsFile, cell: Vec
         return Ok(Box::new(move |at| height * (-0.5 * (at / sigma).length_squared()).exp()));
     }
     if let Some(waves) = &file.waves {
-        check.count(&at("waves"), waves.len(), MOST_WAVES)?;
-        let wave = |(index, wave): (usize, &WaveFile)| {
-            let at = |name: &str| format!("waves[{index}].{name}");
-            let amplitude = number(&at("amplitude"), wave.amplitude)?;
-            let along = direction(number(&at("azimuth"), wave.azimuth)?);
-            let frequency = TAU / positive(&at("wavelength"), wave.wavelength)? * along;
-            Ok((amplitude, frequency, number(&at("phase"), wave.phase)?.to_radians()))
-        };
-        let waves = waves.iter().enumerate().map(wave).collect::<Result<Vec<_>, SceneError>>()?;
-        return Ok(Box::new(move |at| {
-            waves.iter().map(|(amplitude, frequency, phase)| amplitude * (frequency.dot(at) + phase).sin()).sum()
-        }));
+        let waves = self::waves(check, field, waves)?;
+        return Ok(Box::new(move |at| waves.iter().map(|wave| wave.height(at, 0.0)).sum()));
     }
     let fractal = file.fractal.as_ref().expect("the one generator left");
     let fractal = Fractal {
@@ -101,6 +92,21 @@ pub(super) fn heights(check: Checker, field: &str, file: &HeightsFile, cell: Vec
         gain: not_negative("fractal.gain", fractal.gain)?,
     };
     Ok(Box::new(move |at| fractal.height(at)))
+}
+
+/// Sines, at rest or running.
+pub(super) fn waves(check: Checker, field: &str, files: &[WaveFile]) -> Result<Vec<Wave>, SceneError> {
+    check.count(&format!("{field}.waves"), files.len(), MOST_WAVES)?;
+    let wave = |(index, file): (usize, &WaveFile)| {
+        let at = |name: &str| format!("{field}.waves[{index}].{name}");
+        let number = |name: &str, value: f32| check.number(&at(name), value).map(f64::from);
+        let amplitude = number("amplitude", file.amplitude)?;
+        let along = direction(number("azimuth", file.azimuth)?);
+        let radians = TAU / f64::from(check.positive(&at("wavelength"), file.wavelength)?);
+        let (phase, pace) = (number("phase", file.phase)?.to_radians(), radians * number("speed", file.speed)?);
+        Ok(Wave { amplitude, frequency: radians * along, phase, pace })
+    };
+    files.iter().enumerate().map(wave).collect()
 }
 
 /// The horizontal unit vector of an azimuth in degrees; the four along the axes are exact.
