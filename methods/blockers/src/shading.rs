@@ -7,7 +7,7 @@ use halflight_sh::{
     Batch, Block, LANES, apply_bands, clamped_cosine, coefficients, pack, project_binary_bound, unpack,
 };
 
-use crate::lamps::{Glow, Lamp};
+use crate::lamps::{Glow, Lamp, Seers};
 use crate::{Accumulator, Blockers, Gather, Tally, Work};
 
 /// Above this, light times visibility could overflow: the guard then acts even where it is switched off.
@@ -138,7 +138,8 @@ impl<A: Accumulator> Shading<'_, A> {
         let mut irradiance = std::array::from_fn(|channel| self.batch.dot(&self.light[channel], transfer));
         if !self.lamps.is_empty() {
             let position = lanes(group, &receivers.position);
-            glow.add(self.lamps, &position, transfer, self.light_window, &mut irradiance);
+            let seers = Seers { position, normal, visibility };
+            glow.add(self.lamps, &seers, self.light_window, self.guard, &mut irradiance);
         }
         irradiance
     }
