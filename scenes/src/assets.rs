@@ -1,11 +1,14 @@
 //! Files that a scene names: read, checked against their hash, decoded by extension.
 
 mod bvh;
+mod color;
 mod gltf;
 mod height_map;
 mod image;
 mod obj;
 mod off;
+#[cfg_attr(not(feature = "oiio"), path = "assets/without_oiio.rs")]
+mod oiio;
 mod picture;
 mod ply;
 mod points;
@@ -18,16 +21,18 @@ use std::path::{Component, Path, PathBuf};
 use glam::Vec3;
 
 use crate::check::Checker;
-use crate::{Content, Mesh, SceneError};
+use crate::{Content, Mesh, SceneError, Texture};
 
 pub(crate) use bvh::Capture;
+pub(crate) use color::linear;
 pub(crate) use gltf::extras;
 pub(crate) use gltf::survey::{Punctual, Shines, Survey, View};
 pub(crate) use gltf::{Part, Wanted};
 pub(crate) use height_map::HeightMap;
 pub(crate) use image::Image;
-pub(crate) use picture::linear;
+pub use oiio::open_image_io;
 pub use points::read_points_csv;
+pub(crate) use proper::Mended;
 
 /// The folder that a scene's asset paths start from.
 pub(crate) struct Assets<'a> {
@@ -86,8 +91,8 @@ pub(crate) struct Asset {
 }
 
 impl Asset {
-    /// A checked mesh, and how many triangles without area were dropped.
-    pub(crate) fn mesh(&self, weld: bool, drop_degenerate: bool) -> Result<(Mesh, usize), SceneError> {
+    /// A checked mesh, and what was mended of it.
+    pub(crate) fn mesh(&self, weld: bool, drop_degenerate: bool) -> Result<(Mesh, Mended), SceneError> {
         let check = self.check();
         let raw = match self.extension().as_str() {
             "obj" => obj::read(check, &self.bytes),
@@ -132,21 +137,22 @@ impl Asset {
         }
     }
 
-    /// A picture of radiance.
-    pub(crate) fn image(&self) -> Result<Image, SceneError> {
+    /// A picture of radiance. What our own decoders read, they read whether or not OpenImageIO is built in.
+    pub(crate) fn image(&self, notices: &mut Vec<String>) -> Result<Image, SceneError> {
         let check = self.check();
         match self.extension().as_str() {
-            "exr" => image::read_exr(check, &self.bytes),
-            "hdr" => image::read_hdr(check, &self.bytes),
-            other => Err(check.invalid("extension", "a picture as .exr or .hdr", other)),
+            "exr" => image::read_exr(check, &self.bytes, notices),
+            "hdr" => image::read_hdr(check, &self.bytes, notices),
+            "png" | "jpg" | "jpeg" => picture::colors(check, "picture", &self.bytes),
+            _ => oiio::image(check, notices),
         }
     }
 
-    /// A picture of radiance or, as PNG and JPEG, of colours made linear.
-    pub(crate) fn colours(&self) -> Result<Image, SceneError> {
-        match self.extension().as_str() {
-            "png" | "jpg" | "jpeg" => picture::colours(self.check(), "picture", &self.bytes),
-            _ => self.image(),
+    /// A picture of reflectances; `field` is what asks for it.
+    pub(crate) fn texture(&self, field: &str, notices: &mut Vec<String>) -> Result<Texture, SceneError> {
+        match picture::knows(&self.bytes) {
+            true => picture::texture(self.check(), field, &self.bytes),
+            false => picture::reflectances(self.check(), oiio::colors(self.check())?, notices),
         }
     }
 
@@ -156,7 +162,7 @@ impl Asset {
         match self.extension().as_str() {
             "exr" => height_map::read_exr(check, &self.bytes),
             "png" => picture::heights(check, &self.bytes),
-            other => Err(check.invalid("extension", "a picture of heights as .exr or .png", other)),
+            _ => oiio::heights(check),
         }
     }
 

@@ -9,6 +9,8 @@ pub struct SceneFacts {
     pub casters: usize,
     /// Objects that emit light.
     pub emitters: usize,
+    /// Those of them that are spheres.
+    pub lamps: usize,
     /// Triangles of all meshes and height fields.
     pub triangles: usize,
     /// Height fields that cast shadows.

@@ -33,7 +33,7 @@ mod solids;
 mod texture;
 
 pub use animation::{Carried, Deformation, Form, Palette, Procedural};
-pub use assets::read_points_csv;
+pub use assets::{open_image_io, read_points_csv};
 pub use bodies::Bodies;
 pub use camera::Camera;
 pub use content::{Content, Revision};

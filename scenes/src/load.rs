@@ -54,10 +54,10 @@ impl Scene {
         path: &Path,
         file: &SceneFile,
         objects: Vec<Object>,
-        notices: Vec<String>,
+        mut notices: Vec<String>,
     ) -> Result<Scene, SceneError> {
         let (check, assets) = (Checker { file: path }, Assets::beside(path));
-        let lights = lights::load(check, &assets, &file.lights)?;
+        let lights = lights::load(check, &assets, &file.lights, &mut notices)?;
         let lit = !lights.is_empty() || objects.iter().any(Object::emits);
         check.ensure(lit, "lights", "at least one light, or an object with emission", lights.len())?;
         let camera = file.camera.as_ref().map(|camera| load_camera(check, camera)).transpose()?;

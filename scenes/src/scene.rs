@@ -66,7 +66,10 @@ impl Scene {
         for object in &self.objects {
             match &*object.shape {
                 Shape::Mesh(mesh) => facts.triangles += mesh.triangles.len(),
-                Shape::Spheres(spheres) => facts.spheres += spheres.len(),
+                Shape::Spheres(spheres) => {
+                    facts.spheres += spheres.len();
+                    facts.lamps += usize::from(object.emits());
+                }
                 Shape::Heights(field) => {
                     facts.triangles += field.triangles();
                     facts.height_fields += usize::from(object.casts);

@@ -12,7 +12,7 @@ use halflight_scenes::{
 /// Every fixture of exact spheres. [`mesh_in_two_lights`] is left out: what methods derive from a mesh takes long, and
 /// checks derive it many times.
 pub fn all() -> Vec<Scene> {
-    vec![sphere_over_plane(), overlapping_spheres(), moving_sphere(), two_lights(), stress()]
+    vec![sphere_over_plane(), overlapping_spheres(), moving_sphere(), two_lights(), moving_lamp(), stress()]
 }
 
 /// A sphere in a coloured ground under an overcast sky, on a grid: the ground's plane cuts it, and some receivers are
@@ -60,6 +60,16 @@ pub fn heaps() -> Scene {
         spheres("right", heap(Vec3::new(0.6, -0.3, 0.5))),
     ];
     scene("heaps", objects, vec![overcast()], grid_of([24, 20]))
+}
+
+/// A lamp that circles a sphere over the ground within three frames, under an overcast sky.
+pub fn moving_lamp() -> Scene {
+    let there = |x, y| Pose { translation: Vec3::new(x, y, 0.0), ..Pose::IDENTITY };
+    let ball = spheres("ball", vec![sphere(Vec3::new(0.0, 0.0, 0.5), 0.4)]);
+    let lamp = spheres("lamp", vec![sphere(Vec3::new(0.0, 0.0, 1.3), 0.1)]);
+    let motion = vec![(0.0, there(1.2, 0.0)), (1.0, there(0.0, 1.2)), (2.0, there(-1.2, 0.0))];
+    let lamp = Object { emission: Emission::Even(Rgb::new(9.0, 6.0, 3.0)), motion, ..lamp };
+    Scene { frame_count: 3, ..scene("moving-lamp", vec![ground(), ball, lamp], vec![overcast()], grid()) }
 }
 
 /// An octahedron over the ground under an environment map and a key light.

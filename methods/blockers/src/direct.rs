@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use crate::clustered::{self, Clustered};
 use crate::cut::{Cut, Rule, Visits};
+use crate::lamps::{Lamp, is_lamp, lamps};
 use crate::shading::Shading;
 use crate::{Blockers, Circles, Gather, Tally, params};
 
@@ -71,6 +72,7 @@ pub struct DirectLight<'s, A> {
     light_window: Vec<f32>,
     proxies: Vec<Option<Proxy>>,
     spheres: PosedSpheres,
+    lamps: Vec<Lamp>,
     gather: Gather,
     /// None if every receiver sees every sphere.
     cuts: Option<(Rule, Clustered)>,
@@ -79,20 +81,14 @@ pub struct DirectLight<'s, A> {
     quantity: Quantity,
 }
 
-/// What sphere-blocker methods answer: direct distant light and visibility up to their own order, where spheres can stand for all
-/// that casts shadows. A height field is an open surface: spheres around it would bury the receivers on it.
+/// What sphere-blocker methods answer: direct light of what is distant and of spheres that emit, and visibility up to their own order, where
+/// spheres can stand for all that casts shadows. A height field is an open surface: spheres around it would bury the receivers on it.
 pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
     match request.quantity {
         _ if facts.height_fields > 0 => {
             Support::Skip("spheres cannot stand for a height field that casts shadows".into())
         }
-        Quantity::Direct if facts.emitters == 0 => Support::Exact,
-        Quantity::Direct if facts.distant_lights() == 0 => {
-            Support::Skip("all light comes from objects of the scene, none from afar".into())
-        }
-        Quantity::Direct => {
-            Support::Approximate(format!("leaves out the light of {} objects that emit", facts.emitters))
-        }
+        Quantity::Direct => direct(facts, request.params.flag(params::LOCAL_LIGHTS.name)),
         Quantity::Visibility { order } if usize::from(order) <= request.params.int(params::ORDER.name) => {
             Support::Exact
         }
@@ -103,11 +99,31 @@ pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
     }
 }
 
+fn direct(facts: &SceneFacts, local_lights: bool) -> Support {
+    let left_out = facts.emitters - if local_lights { facts.lamps } else { 0 };
+    if left_out == 0 {
+        Support::Exact
+    } else if left_out == facts.emitters && facts.distant_lights() == 0 {
+        Support::Skip("all light comes from objects that are no lamps of spheres, none from afar".into())
+    } else {
+        Support::Approximate(format!("leaves out the light of {left_out} objects that emit"))
+    }
+}
+
 impl<'s, A: Accumulator> DirectLight<'s, A> {
     /// Derives sphere sets and light.
     pub fn prepare(job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Self> {
         let order = job.params.int(params::ORDER.name);
-        let proxies = proxies(job, job.params.int(params::SPHERES.name), meter)?;
+        let local_lights = job.params.flag(params::LOCAL_LIGHTS.name);
+        let mut proxies = proxies(job, job.params.int(params::SPHERES.name), meter)?;
+        if local_lights {
+            // A lamp must not stand in its own light.
+            proxies
+                .iter_mut()
+                .enumerate()
+                .filter(|(object, _)| is_lamp(job.scene, *object))
+                .for_each(|(_, proxy)| *proxy = None);
+        }
         let light = job.derive(&LightOf { order }, meter)?;
         let light_window = match job.params.flag(params::WINDOW_LIGHT.name) {
             true => bands(order),
@@ -123,6 +139,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             light_window,
             proxies,
             spheres: PosedSpheres::default(),
+            lamps: Vec::new(),
             gather: params::gather(job.params),
             cuts,
             accumulator: A::new(job.params),
@@ -179,6 +196,8 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             gather: self.gather,
             quantity: self.quantity,
             guard: self.params.flag(params::GUARD.name),
+            light_window: &self.light_window,
+            lamps: &self.lamps,
             visibility_window: self.params.flag(params::WINDOW_VISIBILITY.name).then(|| bands(self.order)),
             light: self.lit.rgb.clone().map(|mut channel| {
                 apply_bands(&self.light_window, &mut channel);
@@ -221,6 +240,9 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
         self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.proxies));
         if !self.light.turning.is_empty() {
             self.lit = timed(meter, "turn light", |_| self.light.at(frame.time).into_owned());
+        }
+        if self.params.flag(params::LOCAL_LIGHTS.name) {
+            self.lamps = lamps(self.scene, frame);
         }
         if let Some((_, clustered)) = &mut self.cuts {
             clustered.update(&self.spheres, &frame.receivers, &self.params, meter);

@@ -19,6 +19,7 @@ mod clusters;
 mod cut;
 mod direct;
 mod gather;
+mod lamps;
 pub mod params;
 mod ratio;
 mod seen;

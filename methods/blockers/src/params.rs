@@ -89,6 +89,14 @@ pub const WINDOW_VISIBILITY: ParamSpec = ParamSpec {
     help: "attenuate the visibility's bands by cos(π/2·l/2n) against ringing",
 };
 
+/// Local lights.
+pub const LOCAL_LIGHTS: ParamSpec = ParamSpec {
+    name: "local-lights",
+    kind: Kind::Flag { default: true },
+    phase: Phase::Prepare,
+    help: "spheres that emit give light and block none; blockers beyond such a lamp shade it too",
+};
+
 /// The gathering rules that a method's parameters ask for.
 pub fn gather(params: &Params) -> Gather {
     let self_shadow = SelfShadow::named(params.choice(SELF_SHADOW.name)).expect("declared by the rules' names");
@@ -122,6 +130,7 @@ macro_rules! blocker_params {
             $crate::params::GUARD,
             $crate::params::WINDOW_LIGHT,
             $crate::params::WINDOW_VISIBILITY,
+            $crate::params::LOCAL_LIGHTS,
         ]
     };
 }

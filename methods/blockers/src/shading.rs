@@ -1,11 +1,13 @@
 //! Shading of receivers, 16 side by side.
 
+use glam::Vec3;
 use halflight_contract::Quantity;
 use halflight_scenes::{Receivers, Rgb};
 use halflight_sh::{
     Batch, Block, LANES, apply_bands, clamped_cosine, coefficients, pack, project_binary_bound, unpack,
 };
 
+use crate::lamps::{Glow, Lamp};
 use crate::{Accumulator, Blockers, Gather, Tally, Work};
 
 /// Above this, light times visibility could overflow: the guard then acts even where it is switched off.
@@ -20,7 +22,11 @@ pub(crate) struct Shading<'a, A> {
     pub(crate) guard: bool,
     /// A factor for each band of visibility.
     pub(crate) visibility_window: Option<Vec<f32>>,
+    /// A factor for each band of light.
+    pub(crate) light_window: &'a [f32],
+    /// Distant light, windowed.
     pub(crate) light: [Vec<f32>; 3],
+    pub(crate) lamps: &'a [Lamp],
 }
 
 /// One task's scratch: vectors of 16 receivers, coefficient by coefficient unless said otherwise.
@@ -35,6 +41,7 @@ struct Scratch<S> {
     weights: Vec<Block<f32>>,
     /// `H(N) * g`.
     transfer: Vec<Block<f32>>,
+    glow: Glow,
 }
 
 impl<A: Accumulator> Shading<'_, A> {
@@ -90,6 +97,7 @@ impl<A: Accumulator> Shading<'_, A> {
             cosine: clamped_cosine(order).iter().map(|&value| Block::splat(value as f32)).collect(),
             weights: blocks(),
             transfer: blocks(),
+            glow: Glow::new(self.batch),
         }
     }
 
@@ -120,17 +128,28 @@ impl<A: Accumulator> Shading<'_, A> {
         }
     }
 
-    /// `(L, H(N) * g)` for each colour.
+    /// `(L, H(N) * g)` for each colour, `L` the distant light and that of lamps.
     fn irradiance(&self, receivers: &Receivers, group: &[usize], scratch: &mut Scratch<A::State>) -> [Block<f32>; 3] {
-        let Scratch { visibility, vectors, cosine, weights, transfer, .. } = scratch;
-        let mut normal = [Block::ZERO; 3];
-        for (lane, &receiver) in group.iter().enumerate() {
-            let components = receivers.normal[receiver].to_array();
-            normal.iter_mut().zip(components).for_each(|(axis, component)| axis.0[lane] = component);
-        }
+        let Scratch { visibility, vectors, cosine, weights, transfer, glow, .. } = scratch;
+        let normal = lanes(group, &receivers.normal);
         pack(self.batch.order(), vectors, visibility);
         self.batch.rotate_zonal(cosine, &[normal], weights);
         self.batch.product(weights, visibility, transfer);
-        std::array::from_fn(|channel| self.batch.dot(&self.light[channel], transfer))
+        let mut irradiance = std::array::from_fn(|channel| self.batch.dot(&self.light[channel], transfer));
+        if !self.lamps.is_empty() {
+            let position = lanes(group, &receivers.position);
+            glow.add(self.lamps, &position, transfer, self.light_window, &mut irradiance);
+        }
+        irradiance
     }
+}
+
+/// The vectors of a group of receivers, a lane each.
+fn lanes(group: &[usize], vectors: &[Vec3]) -> [Block<f32>; 3] {
+    let mut blocks = [Block::ZERO; 3];
+    for (lane, &receiver) in group.iter().enumerate() {
+        let components = vectors[receiver].to_array();
+        blocks.iter_mut().zip(components).for_each(|(axis, component)| axis.0[lane] = component);
+    }
+    blocks
 }

@@ -4,27 +4,24 @@ use std::io::Cursor;
 
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
 
-use super::image::check_size;
+use super::image::read_meta;
+use super::oiio;
 use crate::SceneError;
 use crate::check::{Checker, FAR};
 
-/// Heights in metres, row major from the top of the picture.
+/// Heights, row major from the top of the picture.
 #[derive(Debug, PartialEq)]
 pub(crate) struct HeightMap {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) heights: Vec<f32>,
+    /// Whether heights are shares of a range rather than metres.
+    pub(crate) shares: bool,
 }
 
 /// The first layer's channel `Y`, else its `R`, else the only one that it has.
 pub(super) fn read_exr(check: Checker, bytes: &[u8]) -> Result<HeightMap, SceneError> {
-    let malformed = |error: exr::error::Error| {
-        check.malformed("OpenEXR", format!("expected a whole file with a channel of heights: {error}"))
-    };
-    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(malformed)?;
-    for header in &meta.headers {
-        check_size(check, header.layer_size.width(), header.layer_size.height())?;
-    }
+    let meta = read_meta(check, bytes)?;
     let names: Vec<_> = meta.headers.iter().take(1).flat_map(|header| &header.channels.list).map(|c| &c.name).collect();
     let named = |wanted: &str| names.iter().find(|name| **name == wanted);
     let channel = named("Y").or(named("R")).or(names.first().filter(|_| names.len() == 1));
@@ -40,6 +37,7 @@ pub(super) fn read_exr(check: Checker, bytes: &[u8]) -> Result<HeightMap, SceneE
                 width: size.width(),
                 height: size.height(),
                 heights: vec![0.0; size.width() * size.height()],
+                shares: false,
             },
             |map, at, (height,): (f32,)| {
                 let index = at.y() * map.width + at.x();
@@ -49,7 +47,18 @@ pub(super) fn read_exr(check: Checker, bytes: &[u8]) -> Result<HeightMap, SceneE
         .first_valid_layer()
         .all_attributes()
         .non_parallel();
-    let map = read.from_buffered(Cursor::new(bytes)).map_err(malformed)?.layer_data.channel_data.pixels;
+    match read.from_buffered(Cursor::new(bytes)) {
+        Ok(read) => checked(check, read.layer_data.channel_data.pixels),
+        Err(exr::error::Error::NotSupported(_)) if oiio::BUILT_IN => oiio::heights(check),
+        Err(error) => {
+            let expected = "expected a whole file with a channel of heights";
+            Err(check.malformed("OpenEXR", format!("{expected}: {error}")))
+        }
+    }
+}
+
+/// The map, if all of its heights are numbers within bounds.
+pub(super) fn checked(check: Checker, map: HeightMap) -> Result<HeightMap, SceneError> {
     match map.heights.iter().position(|height| height.is_nan() || height.abs() > FAR) {
         None => Ok(map),
         Some(index) => {

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use crate::check::Checker;
 use crate::{Mesh, SceneError, mesh};
 
-use super::text::{Line, fan, lines};
+use super::text::{Line, decoded, fan, lines};
 
 /// Keywords that say nothing about the surface.
 const IGNORED: [&str; 8] = ["g", "o", "s", "usemtl", "mtllib", "l", "p", "mg"];
@@ -25,7 +25,7 @@ struct Obj {
 
 pub(super) fn read(check: Checker, bytes: &[u8]) -> Result<Mesh, SceneError> {
     // A backslash at the end of a line continues it.
-    let text = String::from_utf8_lossy(bytes).replace("\\\r\n", " ").replace("\\\n", " ");
+    let text = decoded(bytes).replace("\\\r\n", " ").replace("\\\n", " ");
     let mut obj = Obj::default();
     for line in lines(check, &text) {
         match line.words[0] {

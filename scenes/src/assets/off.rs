@@ -3,10 +3,10 @@
 use crate::check::Checker;
 use crate::{Mesh, SceneError};
 
-use super::text::{Line, fan, lines};
+use super::text::{Line, decoded, fan, lines};
 
 pub(super) fn read(check: Checker, bytes: &[u8]) -> Result<Mesh, SceneError> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = decoded(bytes);
     let mut lines = lines(check, &text);
     let mut next = |what: String| {
         let end = || check.malformed("end of file", format!("expected {what}: the file is truncated"));

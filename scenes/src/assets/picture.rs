@@ -2,27 +2,49 @@
 
 use std::io::Cursor;
 
-use ::image::{DynamicImage, ImageError, ImageReader, Limits};
+use ::image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
-use super::HeightMap;
-use super::image::{Image, check_size};
+use super::color::{ToRec709, linear};
+use super::image::{check_size, radiance};
+use super::{HeightMap, Image};
 use crate::check::Checker;
 use crate::{Rgb, SceneError, Texture};
 
 /// Most bytes that a decoder may take.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Colours in sRGB, made linear.
-pub(super) fn colours(check: Checker, field: &str, bytes: &[u8]) -> Result<Image, SceneError> {
-    let picture = decode(check, field, bytes)?.into_rgb16();
-    let texels = picture.pixels().map(|pixel| Rgb::from_array(pixel.0.map(|v| linear(f32::from(v) / 65535.0))));
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    Ok(Image { width, height, texels: texels.collect() })
+/// Whether bytes begin as a PNG or JPEG does.
+pub(super) fn knows(bytes: &[u8]) -> bool {
+    matches!(::image::guess_format(bytes), Ok(ImageFormat::Png | ImageFormat::Jpeg))
 }
 
-/// The same as a texture.
+/// Colours in sRGB, made linear.
 pub(super) fn texture(check: Checker, field: &str, bytes: &[u8]) -> Result<Texture, SceneError> {
-    colours(check, field, bytes).map(|picture| Texture::new(picture.width, picture.texels))
+    let image = colors(check, field, bytes)?;
+    Ok(Texture::new(image.width, image.texels))
+}
+
+/// Colours in sRGB, made linear.
+pub(super) fn colors(check: Checker, field: &str, bytes: &[u8]) -> Result<Image, SceneError> {
+    let picture = decode(check, field, bytes)?.into_rgb16();
+    let texels = picture.pixels().map(|pixel| Rgb::from_array(pixel.0.map(|v| linear(f32::from(v) / 65535.0))));
+    Ok(Image { width: picture.width() as usize, height: picture.height() as usize, texels: texels.collect() })
+}
+
+/// Reflectances of a picture that need not keep to [0, 1].
+pub(super) fn reflectances(
+    check: Checker,
+    (image, to_rec709): (Image, ToRec709),
+    notices: &mut Vec<String>,
+) -> Result<Texture, SceneError> {
+    let mut image = radiance(check, image, &to_rec709, notices)?;
+    let bright = image.texels.iter().filter(|texel| texel.max_element() > 1.0).count();
+    if bright > 0 {
+        image.texels.iter_mut().for_each(|texel| *texel = texel.min(Rgb::ONE));
+        let (file, all) = (check.file.display(), image.texels.len());
+        notices.push(format!("{file}: {bright} of {all} texels reflected more than 1: lowered to 1"));
+    }
+    Ok(Texture::new(image.width, image.texels))
 }
 
 /// Heights in units of the greatest that 8 or 16 bits hold: within [0, 1].
@@ -33,7 +55,8 @@ pub(super) fn heights(check: Checker, bytes: &[u8]) -> Result<HeightMap, SceneEr
     }
     let grey = picture.into_luma16();
     let (width, height) = (grey.width() as usize, grey.height() as usize);
-    Ok(HeightMap { width, height, heights: grey.pixels().map(|pixel| f32::from(pixel.0[0]) / 65535.0).collect() })
+    let heights = grey.pixels().map(|pixel| f32::from(pixel.0[0]) / 65535.0).collect();
+    Ok(HeightMap { width, height, heights, shares: true })
 }
 
 fn decode(check: Checker, field: &str, bytes: &[u8]) -> Result<DynamicImage, SceneError> {
@@ -42,12 +65,8 @@ fn decode(check: Checker, field: &str, bytes: &[u8]) -> Result<DynamicImage, Sce
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MOST_BYTES);
     reader.limits(limits);
-    let picture = reader.decode().map_err(malformed)?;
-    check_size(check, picture.width() as usize, picture.height() as usize)?;
-    Ok(picture)
-}
-
-/// IEC 61966-2-1.
-pub(crate) fn linear(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    let decoder = reader.into_decoder().map_err(malformed)?;
+    let (width, height) = decoder.dimensions();
+    check_size(check, width as usize, height as usize)?;
+    DynamicImage::from_decoder(decoder).map_err(malformed)
 }

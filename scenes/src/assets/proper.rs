@@ -11,9 +11,29 @@ use crate::{Mesh, SceneError, mesh};
 /// coordinates.
 const THINNEST: f64 = 1e-7;
 
-/// The mesh with unit normals, checked, and how many triangles without area were dropped.
-pub(super) fn mesh(check: Checker, raw: Mesh, drop_degenerate: bool) -> Result<(Mesh, usize), SceneError> {
-    let Mesh { positions, normals, uvs, triangles } = raw;
+/// What was mended of a mesh.
+pub(crate) struct Mended {
+    dropped: usize,
+    normals: usize,
+}
+
+impl Mended {
+    /// A line for each kind of repair.
+    pub(crate) fn notices(&self, place: &str) -> Vec<String> {
+        let all = [
+            (self.dropped, format!("{place}: dropped {} triangles without area", self.dropped)),
+            (
+                self.normals,
+                format!("{place}: {} normals had no length: taken from the faces around them", self.normals),
+            ),
+        ];
+        all.into_iter().filter(|(count, _)| *count > 0).map(|(_, line)| line).collect()
+    }
+}
+
+/// The mesh with unit normals, checked, and what was mended.
+pub(super) fn mesh(check: Checker, raw: Mesh, drop_degenerate: bool) -> Result<(Mesh, Mended), SceneError> {
+    let Mesh { positions, mut normals, uvs, triangles } = raw;
     for (index, position) in positions.iter().enumerate() {
         check.point(&format!("vertex {index}"), position.to_array())?;
     }
@@ -23,14 +43,17 @@ pub(super) fn mesh(check: Checker, raw: Mesh, drop_degenerate: bool) -> Result<(
         return Err(check.invalid("faces", "at least one triangle with an area", found));
     }
     let dropped = found - triangles.len();
-    let normals = match normals.is_empty() {
-        true => mesh::vertex_normals(&positions, &triangles),
-        false => unit(check, normals)?,
-    };
+    let absent = normals.iter().filter(|normal| **normal == Vec3::ZERO).count();
+    if normals.is_empty() || absent > 0 {
+        let around = mesh::vertex_normals(&positions, &triangles);
+        normals.resize(positions.len(), Vec3::ZERO);
+        normals.iter_mut().zip(around).filter(|(normal, _)| **normal == Vec3::ZERO).for_each(|(to, from)| *to = from);
+    }
+    let normals = unit(check, normals)?;
     if let Some(index) = uvs.iter().position(|uv| uv.abs().max_element() > FAR || uv.is_nan()) {
         return Err(check.invalid(&format!("texture coordinates {index}"), "finite numbers", uvs[index]));
     }
-    Ok((Mesh { positions, normals, uvs, triangles }, dropped))
+    Ok((Mesh { positions, normals, uvs, triangles }, Mended { dropped, normals: absent }))
 }
 
 /// The mesh with one vertex a position and nothing but positions.

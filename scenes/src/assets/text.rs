@@ -7,6 +7,19 @@ use glam::Vec3;
 use crate::SceneError;
 use crate::check::Checker;
 
+/// The text of a file: UTF-16 where it begins with that encoding's mark, else UTF-8 with or without its own.
+pub(super) fn decoded(bytes: &[u8]) -> String {
+    let wide = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+        String::from_utf16_lossy(&units)
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
+        [0xef, 0xbb, 0xbf, rest @ ..] | rest => String::from_utf8_lossy(rest).into_owned(),
+    }
+}
+
 /// The words of a line, comment left out.
 pub(super) struct Line<'a> {
     check: Checker<'a>,

@@ -6,6 +6,9 @@ use serde_json::{Value, json};
 /// Kinds of numbers, as glTF counts them.
 const FLOAT: u32 = 5126;
 const UNSIGNED: u32 = 5125;
+/// What views are for.
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
 
 #[derive(Default)]
 pub(super) struct Glb {
@@ -35,6 +38,7 @@ impl Glb {
 
     fn accessor(&mut self, bytes: impl IntoIterator<Item = u8>, component: u32, kind: &str, count: usize) -> usize {
         let view = self.view(bytes);
+        self.views[view]["target"] = if component == UNSIGNED { INDICES } else { VERTICES }.into();
         self.accessors.push(json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }));
         self.accessors.len() - 1
     }

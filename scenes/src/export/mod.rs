@@ -32,7 +32,7 @@ pub struct Exported {
 /// Writes a frame of a scene into a folder, which is made if need be: `NAME.glb` with objects in place, lights, camera, and
 /// `NAME-environment-N.exr` for each picture of the surroundings, y up, in metres. A key light becomes a directional light of
 /// the same irradiance, a lamp that does not cast a point light of the same intensity; what glTF has no words for lies in
-/// `extras`. [`import`](crate::import) of the model gives the same scene.
+/// `extras`. [`import`](crate::import()) of the model gives the same scene.
 ///
 /// # Errors
 /// A file that cannot be written.

@@ -16,12 +16,12 @@ impl Source<'_> {
     }
 
     /// The picture by which the emission is multiplied.
-    pub(super) fn emission_map(&self) -> Result<Option<Image>, SceneError> {
+    pub(super) fn emission_map(&self, notices: &mut Vec<String>) -> Result<Option<Image>, SceneError> {
         let Some(file) = &self.file.emission_map else { return Ok(None) };
         let field = format!("{}.emission_map", self.field);
         let bright = self.file.emission != [0.0; 3];
         self.check.ensure(bright, &format!("{}.emission", self.field), "what the picture is multiplied by", "none")?;
-        let picture = self.assets.read(&field, &file.file, file.sha256.as_deref())?.colours()?;
+        let picture = self.assets.read(&field, &file.file, file.sha256.as_deref())?.image(notices)?;
         let texels = picture.texels.len();
         let fits = self.file.plane.is_none() || texels <= MOST_CELLS;
         self.check.ensure(fits, &field, &format!("at most {MOST_CELLS} texels on a plane"), texels)?;

@@ -6,7 +6,7 @@ mod generate;
 use glam::{Vec2, Vec3};
 
 use crate::animation::{Growth, Swell, Wave};
-use crate::assets::Assets;
+use crate::assets::{Assets, HeightMap};
 use crate::check::{Checker, FAR};
 use crate::format::{GrowFile, HeightsFile, ObjectFile};
 use crate::{HeightField, SceneError};
@@ -46,24 +46,27 @@ fn read(
         return Err(check.invalid(field, "either a file or a resolution with a generator", "both"));
     }
     let mut map = assets.read(field, name, file.sha256.as_deref())?.height_map()?;
-    stretch(check, field, file, name, &mut map.heights)?;
+    stretch(check, field, file, &mut map)?;
     let size = [map.width, map.height];
     check.ensure(map.width >= 2 && map.height >= 2, &format!("{field}.file"), "at least 2 x 2 heights", size)?;
     // The top row of a picture is the far edge, +y.
     Ok((size, map.heights.rchunks_exact(map.width).flatten().copied().collect()))
 }
 
-/// The heights of a PNG are shares of a range.
-fn stretch(check: Checker, field: &str, file: &HeightsFile, name: &str, heights: &mut [f32]) -> Result<(), SceneError> {
+/// Whole numbers without sign are shares of a range.
+fn stretch(check: Checker, field: &str, file: &HeightsFile, map: &mut HeightMap) -> Result<(), SceneError> {
     let field = format!("{field}.range");
-    match (file.range, name.to_lowercase().ends_with(".png")) {
+    match (file.range, map.shares) {
         (None, false) => Ok(()),
         (Some([low, high]), true) => {
             let (low, high) = (check.number(&field, low)?, check.number(&field, high)?);
-            heights.iter_mut().for_each(|height| *height = low + (high - low) * *height);
+            map.heights.iter_mut().for_each(|height| *height = low + (high - low) * *height);
             Ok(())
         }
-        (range, _) => Err(check.invalid(&field, "the heights of black and white beside a PNG, and only there", range)),
+        (range, _) => {
+            let expected = "the heights of black and white beside a picture of whole numbers (a PNG), and only there";
+            Err(check.invalid(&field, expected, range))
+        }
     }
 }
 

@@ -9,10 +9,15 @@ use crate::check::Checker;
 use crate::format::{EnvironmentFile, KeyLightFile, LightFile, SkyFile, TurnFile};
 use crate::{DistantLight, Environment, KeyLight, Light, Rgb, SceneError, Sky, Turn};
 
-pub(super) fn load(check: Checker, assets: &Assets, files: &[LightFile]) -> Result<Vec<DistantLight>, SceneError> {
+pub(super) fn load(
+    check: Checker,
+    assets: &Assets,
+    files: &[LightFile],
+    notices: &mut Vec<String>,
+) -> Result<Vec<DistantLight>, SceneError> {
     let distant = |(index, file): (usize, &LightFile)| {
         let field = format!("lights[{index}]");
-        let rest = light(check, assets, &field, file)?;
+        let rest = light(check, assets, &field, file, notices)?;
         let turn = file.turn.as_ref().map(|file| turn(check, &format!("{field}.turn"), file, &rest)).transpose()?;
         Ok(DistantLight { rest, turn })
     };
@@ -33,9 +38,15 @@ fn turn(check: Checker, field: &str, file: &TurnFile, light: &Light) -> Result<T
     Ok(Turn { axis, speed })
 }
 
-fn light(check: Checker, assets: &Assets, field: &str, file: &LightFile) -> Result<Light, SceneError> {
+fn light(
+    check: Checker,
+    assets: &Assets,
+    field: &str,
+    file: &LightFile,
+    notices: &mut Vec<String>,
+) -> Result<Light, SceneError> {
     match (&file.environment, &file.sky, &file.key) {
-        (Some(file), None, None) => environment(check, assets, &format!("{field}.environment"), file),
+        (Some(file), None, None) => environment(check, assets, &format!("{field}.environment"), file, notices),
         (None, Some(file), None) => sky(check, &format!("{field}.sky"), file),
         (None, None, Some(file)) => key(check, &format!("{field}.key"), file),
         (environment, sky, key) => {
@@ -45,10 +56,16 @@ fn light(check: Checker, assets: &Assets, field: &str, file: &LightFile) -> Resu
     }
 }
 
-fn environment(check: Checker, assets: &Assets, field: &str, file: &EnvironmentFile) -> Result<Light, SceneError> {
+fn environment(
+    check: Checker,
+    assets: &Assets,
+    field: &str,
+    file: &EnvironmentFile,
+    notices: &mut Vec<String>,
+) -> Result<Light, SceneError> {
     let scale = check.positive(&format!("{field}.scale"), file.scale)?;
     let rotation = check.number(&format!("{field}.rotate"), file.rotate)?.to_radians();
-    let image = assets.read(field, &file.file, file.sha256.as_deref())?.image()?;
+    let image = assets.read(field, &file.file, file.sha256.as_deref())?.image(notices)?;
     // A photograph runs clockwise seen from above, azimuth the other way round.
     let mirrored = image.texels.chunks_exact(image.width).flat_map(|row| row.iter().rev());
     let texels: Vec<Rgb> = mirrored.map(|texel| *texel * scale).collect();

@@ -68,7 +68,7 @@ impl Source<'_> {
             (Some(gltf), _) => self.gltf(gltf, &rest, notices),
             (_, Some(character)) => Ok(vec![self.character(character, &rest)?]),
             _ => {
-                let picture = self.emission_map()?;
+                let picture = self.emission_map(notices)?;
                 let shape = self.placed(self.shape(picture.as_ref(), notices)?, &rest)?;
                 let deformation = self.deformation(&shape, &rest)?;
                 let object = self.object(shape, &rest)?;
@@ -171,10 +171,8 @@ impl Source<'_> {
 
 fn read_mesh(assets: &Assets, field: &str, file: &MeshFile, notices: &mut Vec<String>) -> Result<Mesh, SceneError> {
     let asset = assets.read(field, &file.file, file.sha256.as_deref())?;
-    let (mut mesh, dropped) = asset.mesh(file.weld, file.drop_degenerate)?;
-    if dropped > 0 {
-        notices.push(format!("{}: dropped {dropped} triangles without area", asset.path.display()));
-    }
+    let (mut mesh, mended) = asset.mesh(file.weld, file.drop_degenerate)?;
+    notices.extend(mended.notices(&asset.path.display().to_string()));
     if let Up::Y = file.up {
         let upright = |v: &mut Vec3| *v = Vec3::new(v.x, -v.z, v.y);
         mesh.positions.iter_mut().chain(&mut mesh.normals).for_each(upright);

@@ -325,7 +325,7 @@ fn meshes() {
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 inf\nf 1 2 3\n".into(), "vertex 2: expected three finite numbers"),
         (
             "a.obj",
-            "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nf 1//1 2//1 3//1\n".into(),
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 inf\nf 1//1 2//1 3//1\n".into(),
             "normal 0: expected a finite direction",
         ),
         ("a.obj", "v 0 0 0\ncurv 0 1 2\n".into(), "line 2: expected v, vt, vn or f"),

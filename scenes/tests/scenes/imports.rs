@@ -270,14 +270,14 @@ fn names(folder: &Path) -> Vec<PathBuf> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: proptest::test_runner::contextualize_config(ProptestConfig::default()).cases.div_ceil(8), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
     fn boxes_of_any_size_are_in_view_and_come_back_the_same(
         size in -3.0f32..3.0,
         shape in prop::array::uniform3(-1.0f32..0.0),
         offset in prop::array::uniform3(-3.0f32..3.0),
-        picture in (4usize..60, 4usize..60),
+        picture in (16usize..80, 16usize..80),
     ) {
         let folder = Folder::new();
         let size = 10f32.powf(size);

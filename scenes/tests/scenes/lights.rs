@@ -77,12 +77,72 @@ fn scale_and_rotation_apply() {
 }
 
 #[test]
-fn bad_texels_are_refused() {
+fn texels_that_are_no_numbers_are_refused() {
     let folder = Folder::new();
-    for bad in [-1.0, f32::NAN, f32::INFINITY] {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 2e9] {
         write_exr(&folder, "bad.exr", |x, y| if (x, y) == (3, 2) { Rgb::new(1.0, bad, 1.0) } else { Rgb::ONE });
         let error = load(&folder, r#"file = "bad.exr""#).unwrap_err().to_string();
-        assert!(error.contains("bad.exr: texel (3, 2): expected finite radiance, not negative"), "{error}");
+        assert!(error.contains("bad.exr: texel (3, 2): expected finite radiance of at most 1e9"), "{error}");
+    }
+}
+
+#[test]
+fn negative_texels_are_raised_and_told() {
+    let folder = Folder::new();
+    write_exr(&folder, "ringing.exr", |x, y| if y == 0 { Rgb::new(x as f32, -0.25, 2.0) } else { Rgb::ONE });
+    let scene = load(&folder, r#"file = "ringing.exr""#).unwrap();
+    let map = environment(&scene);
+    // Columns are mirrored.
+    assert_eq!(map.texels[WIDTH - 1], Rgb::new(0.0, 0.0, 2.0));
+    assert_eq!(map.texels[WIDTH - 3], Rgb::new(2.0, 0.0, 2.0));
+    assert!(map.texels[WIDTH..].iter().all(|texel| *texel == Rgb::ONE));
+    let [notice] = &scene.notices[..] else { panic!("{:?}", scene.notices) };
+    assert!(
+        notice.ends_with("ringing.exr: 8 of 32 texels had negative radiance, down to -0.25: raised to 0"),
+        "{notice}"
+    );
+    write_exr(&folder, "plain.exr", value);
+    assert!(load(&folder, r#"file = "plain.exr""#).unwrap().notices.is_empty());
+}
+
+#[test]
+fn primaries_become_those_of_rec_709() {
+    use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
+    let folder = Folder::new();
+    let write = |name: &str, blue: (f32, f32)| {
+        let channels =
+            SpecificChannels::rgb(|at: Vec2<usize>| if at.x() == 0 { (1f32, 1f32, 1f32) } else { (0.0, 2.0, 0.0) });
+        let mut image = Image::from_channels((WIDTH, HEIGHT), channels);
+        let xy = |x, y| Vec2(x, y);
+        image.attributes.chromaticities = Some(exr::meta::attribute::Chromaticities {
+            red: xy(0.713, 0.293),
+            green: xy(0.165, 0.83),
+            blue: Vec2(blue.0, blue.1),
+            white: xy(0.32168, 0.33767),
+        });
+        image.write().to_file(folder.path(name)).unwrap();
+    };
+    write("acescg.exr", (0.128, 0.044));
+    let scene = load(&folder, r#"file = "acescg.exr""#).unwrap();
+    let map = environment(&scene);
+    assert!(map.texels[WIDTH - 1].distance(Rgb::ONE) < 1e-5, "white stays white");
+    // Twice the second column of the Academy's matrix from AP1 to Rec. 709, but for negative numbers.
+    assert!(map.texels[0].distance(Rgb::new(0.0, 2.2816, 0.0)) < 1e-4, "{}", map.texels[0]);
+    assert!(scene.notices[0].contains("28 of 32 texels had negative radiance"), "{:?}", scene.notices);
+    write("broken.exr", (0.713, 0.293));
+    let error = load(&folder, r#"file = "broken.exr""#).unwrap_err().to_string();
+    assert!(error.contains("broken.exr: chromaticities: expected CIE xy"), "{error}");
+}
+
+#[test]
+fn photographs_are_srgb() {
+    let folder = Folder::new();
+    let picture = image::RgbaImage::from_fn(4, 2, |x, _| image::Rgba([0, 188, 255, (x * 80) as u8]));
+    picture.save(folder.path("map.png")).unwrap();
+    let scene = load(&folder, r#"file = "map.png""#).unwrap();
+    // What alpha covers has its colour.
+    for texel in environment(&scene).texels.iter() {
+        assert!(texel.distance(Rgb::new(0.0, 0.5029, 1.0)) < 1e-4, "{texel}");
     }
 }
 
@@ -94,9 +154,11 @@ fn other_channels_and_files_are_refused() {
     exr::prelude::Image::from_channels((WIDTH, HEIGHT), luminance).write().to_file(folder.path("grey.exr")).unwrap();
     let error = load(&folder, r#"file = "grey.exr""#).unwrap_err().to_string();
     assert!(error.contains("grey.exr: OpenEXR: expected a whole file with channels R, G, B"), "{error}");
-    folder.write("map.png", "");
-    let error = load(&folder, r#"file = "map.png""#).unwrap_err().to_string();
-    assert!(error.contains("map.png: extension: expected a picture as .exr or .hdr"), "{error}");
+    for (file, expected) in [("map.png", "expected a PNG or JPEG"), ("map.hdr", "expected a whole file")] {
+        folder.write(file, "");
+        let error = load(&folder, &format!("file = {file:?}")).unwrap_err().to_string();
+        assert!(error.contains(file) && error.contains(expected), "{error}");
+    }
 }
 
 #[test]
@@ -105,9 +167,9 @@ fn lights_turn_with_the_frames() {
     write_exr(&folder, "map.exr", value);
     let frames = ("purpose", "frames = { count = 5, fps = 2.0 }\npurpose");
     let (sky, key) = ("sky = { uniform = [1.0, 1.0, 1.0] }", "angular_radius = 5.0, radiance = [10.0, 9.0, 8.0] }");
-    let map = format!("environment = {{ file = \"map.exr\" }}\nturn = {{ degrees_a_second = 45.0 }}");
+    let map = "environment = { file = \"map.exr\" }\nturn = { degrees_a_second = 45.0 }";
     let turning_key = format!("{key}\nturn = {{ axis = [0.0, 1.0, 0.0], degrees_a_second = -30.0 }}");
-    let scene = folder.load_with(&[frames, (sky, &map), (key, &turning_key)]).unwrap();
+    let scene = folder.load_with(&[frames, (sky, map), (key, &turning_key)]).unwrap();
     assert_eq!(scene.facts().turning, 2);
     // Half a second a frame: after four a quarter turn, and the key light, at 45° in the xz plane, has gone down to -15°.
     let (first, last) = (scene.frame(0), scene.frame(4));

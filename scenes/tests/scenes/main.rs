@@ -10,6 +10,7 @@ mod imports;
 mod lights;
 mod models;
 mod mutations;
+mod oiio;
 mod readme;
 mod receivers;
 mod resolution;

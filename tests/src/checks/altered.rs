@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use halflight_scenes::{
-    Content, DistantLight, Environment, Frame, KeyLight, Layout, Light, Mesh, Object, Receivers, Revision, Rgb, Scene,
-    Shape, Sky, Sphere,
+    Content, DistantLight, Emission, Environment, Frame, KeyLight, Layout, Light, Mesh, Object, Receivers, Revision,
+    Rgb, Scene, Shape, Sky, Sphere,
 };
 
 /// The scene under other lights.
@@ -14,12 +14,21 @@ pub(super) fn relit(scene: &Scene, lights: Vec<DistantLight>) -> Scene {
     Scene { content: after(scene.content, &hashes.concat()), lights, ..scene.clone() }
 }
 
-/// The scene with every light's radiance multiplied.
+/// The scene with the radiance of every light and lamp multiplied.
 pub(super) fn brighter(scene: &Scene, factor: Rgb) -> Scene {
-    relit(
-        scene,
-        scene.lights.iter().map(|light| DistantLight { rest: scaled(&light.rest, factor), ..light.clone() }).collect(),
-    )
+    let lights = scene.lights.iter();
+    let relit =
+        relit(scene, lights.map(|light| DistantLight { rest: scaled(&light.rest, factor), ..light.clone() }).collect());
+    let emission = |object: &Object| match &object.emission {
+        Emission::Even(radiance) => Emission::Even(*radiance * factor),
+        Emission::Triangles(triangles) => {
+            let brighter: Vec<Rgb> = triangles.iter().map(|radiance| *radiance * factor).collect();
+            Emission::Triangles(brighter.into())
+        }
+    };
+    let objects = scene.objects.iter().map(|object| Object { emission: emission(object), ..object.clone() });
+    let content = after(relit.content, &format!("emission times {factor}"));
+    Scene { content, objects: objects.collect(), ..relit }
 }
 
 fn scaled(light: &Light, factor: Rgb) -> Light {

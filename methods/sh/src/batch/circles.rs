@@ -112,7 +112,56 @@ fn zonal_visibility<V: Lanes>(cosine: V, mut out: impl FnMut(usize, V), order: u
     }
 }
 
+struct Lights<'a, T> {
+    order: usize,
+    sines: &'a [Block<T>],
+    out: &'a mut [Block<T>],
+}
+
+impl<T: Real> Task<T> for Lights<'_, T> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        for (sines, out) in self.sines.iter().zip(self.out.chunks_exact_mut(self.order)) {
+            for part in 0..LANES / V::WIDTH {
+                zonal_light(V::load(&sines.0, part), |band, value| value.store(&mut out[band].0, part), self.order);
+            }
+        }
+    }
+}
+
+/// `∫ y_l0` over a circle about z, `√(π/(2l+1))·(P_(l−1) − P_(l+1))` at its rim; the difference is `(2l+1)/(l(l+1))·sin²θ·P_l'`, which loses
+/// no digits where the circle is small.
+#[inline(always)]
+fn zonal_light<V: Lanes>(sine: V, mut out: impl FnMut(usize, V), order: usize) {
+    let pi = std::f64::consts::PI;
+    let one = V::constant(1.0);
+    let height = height(sine);
+    let cosine = one.sub(height);
+    let square = height.mul(one.add(cosine));
+    out(0, V::constant(pi.sqrt()).mul(height));
+    let (mut below, mut p) = (one, cosine);
+    let (mut slope_below, mut slope) = (V::constant(0.0), one);
+    for l in 1..order {
+        let (width, next) = ((2 * l + 1) as f64, (l + 1) as f64);
+        out(l, V::constant((pi * width).sqrt() / (l as f64 * next)).mul(square).mul(slope));
+        let slope_above = V::constant(width).mul_add(p, slope_below);
+        let risen = V::constant(width / next).mul(cosine).mul(p);
+        let above = below.neg_mul_add(V::constant(l as f64 / next), risen);
+        (below, p, slope_below, slope) = (p, above, slope, slope_above);
+    }
+}
+
 impl Batch {
+    /// The zonal coefficients of lights of radiance 1 inside circles about z and 0 elsewhere, as [`Batch::circle_logs`] takes and writes
+    /// them; exact to rounding, relative to each coefficient's bound `√((2l+1)/4π)` times the solid angle, for the smallest circles too.
+    ///
+    /// # Panics
+    /// If `out` does not hold `n` blocks for each of `sines`.
+    pub fn circle_lights<T: Real>(&self, sines: &[Block<T>], out: &mut [Block<T>]) {
+        assert_eq!(out.len(), self.order * sines.len(), "{} zonal values a circle", self.order);
+        run(self.simd, Lights { order: self.order, sines, out });
+    }
+
     /// The zonal log visibilities (see [`circle_log`]) of circles given by the sine of their angular radius, `n` blocks for
     /// each block of sines. Sines are clamped to [0, 1]; 0 gives 0, which blocks
     /// nothing, exactly.

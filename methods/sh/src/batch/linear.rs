@@ -48,6 +48,18 @@ impl Batch {
         out
     }
 
+    /// The dot products of the vectors in the same lanes of two blocks.
+    ///
+    /// # Panics
+    /// If `a` and `b` do not hold one block of vectors each.
+    pub fn dot_each<T: Real>(&self, a: &[Block<T>], b: &[Block<T>]) -> Block<T> {
+        self.assert_batches([a.len()], b.len());
+        assert_eq!(a.len(), coefficients(self.order), "one block of vectors each");
+        let mut out = Block::ZERO;
+        run(self.simd, Dot { x: a, y: b, out: &mut out });
+        out
+    }
+
     /// Multiplies each block by a factor of its own, the same in all lanes.
     ///
     /// # Panics

@@ -282,6 +282,36 @@ fn circles_keep_their_stated_errors() {
     }
 }
 
+/// Against what the same circle leaves of the sphere and, for circles too small for that difference, against their solid angle.
+#[test]
+fn circles_of_light_are_what_circles_block() {
+    for order in 1..=8 {
+        for batch in instruction_sets(order) {
+            for exponent in 0..60 {
+                let sine = f64::from(2f32.powf(-0.5 * exponent as f32));
+                let mut light = vec![Block::<f32>::ZERO; order];
+                batch.circle_lights(&[Block::splat(sine as f32)], &mut light);
+                let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
+                let height = sine * sine / (1.0 + cosine);
+                let mut visible = vec![0.0; order];
+                circle_visibility(order, cosine, &mut visible);
+                for (l, light) in light.iter().enumerate() {
+                    let bound = (std::f64::consts::PI * (2 * l + 1) as f64).sqrt() * height;
+                    let want = match (l, sine > 3e-5) {
+                        (0, true) => 2.0 * std::f64::consts::PI.sqrt() - visible[0],
+                        (_, true) => -visible[l],
+                        (_, false) => bound,
+                    };
+                    assert!(
+                        light.0.iter().all(|value| (f64::from(*value) - want).abs() < 4e-6 * bound),
+                        "{order} {l} {sine}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn extreme_vectors_stay_finite_in_lanes() {
     for order in 1..=8 {

@@ -55,7 +55,12 @@ pub(super) fn fetch(asset: &Asset, field: &str, uri: &str) -> Result<Vec<u8>, Sc
         let decoded = text.and_then(|text| STANDARD.decode(text).ok());
         return decoded.ok_or_else(|| check.invalid(field, "data in base 64", shortened(uri)));
     }
-    Ok(Assets::beside(&asset.path).read(field, &unescaped(uri), None)?.bytes)
+    Ok(beside(asset, field, uri)?.bytes)
+}
+
+/// A file in the document's folder or below.
+pub(super) fn beside(asset: &Asset, field: &str, uri: &str) -> Result<Asset, SceneError> {
+    Assets::beside(&asset.path).read(field, &unescaped(uri), None)
 }
 
 fn shortened(uri: &str) -> String {

@@ -25,7 +25,9 @@ pub(super) fn look(
     let emission = Rgb::from_array(material.emissive_factor()) * material.emissive_strength().unwrap_or(1.0);
     let emission = file.check.radiance(&format!("{place}.emissiveFactor"), emission.to_array())?;
     let mut picture = |info: Option<Info>| match info {
-        Some(info) if !mesh.uvs.is_empty() && info.tex_coord() == 0 => texture(file, &info.texture()).map(Some),
+        Some(info) if !mesh.uvs.is_empty() && info.tex_coord() == 0 => {
+            texture(file, &info.texture(), notices).map(Some)
+        }
         Some(_) => {
             notices.push(format!("{}: {place}: texture without its coordinates left out", file.check.file.display()));
             Ok(None)
@@ -40,11 +42,14 @@ pub(super) fn look(
     Ok(Look { albedo: file.check.albedo(&format!("{place}.baseColorFactor"), [red, green, blue])?, texture, emission })
 }
 
-fn texture(file: &File, texture: &gltf::Texture) -> Result<Texture, SceneError> {
+fn texture(file: &File, texture: &gltf::Texture, notices: &mut Vec<String>) -> Result<Texture, SceneError> {
     let image = texture.source();
     let field = format!("images[{}]", image.index());
     match image.source() {
         Source::View { view, .. } => picture::texture(file.check, &field, file.buffers.view(file.check, &view)?),
+        Source::Uri { uri, .. } if !uri.starts_with("data:") => {
+            super::bytes::beside(file.asset, &field, uri)?.texture(&field, notices)
+        }
         Source::Uri { uri, .. } => {
             let bytes = super::bytes::fetch(file.asset, &field, uri)?;
             picture::texture(file.check, &field, &bytes)

@@ -51,7 +51,7 @@ struct File<'a> {
 
 pub(super) fn read(asset: &Asset, wanted: &Wanted, notices: &mut Vec<String>) -> Result<Vec<Part>, SceneError> {
     let check = asset.check();
-    let Gltf { document, blob } = Gltf::from_slice(&asset.bytes).map_err(|error| malformed(check, &error))?;
+    let Gltf { document, blob } = Gltf::from_slice(&asset.bytes).map_err(|error| malformed(asset, &error))?;
     let buffers = Buffers::load(asset, &document, blob)?;
     let file = File { check, asset, document: &document, buffers };
     let mut skeleton = hierarchy::skeleton(&file)?;
@@ -88,14 +88,37 @@ fn part(
 }
 
 /// One line of what may be several.
-fn malformed(check: Checker, error: &gltf::Error) -> SceneError {
+fn malformed(asset: &Asset, error: &gltf::Error) -> SceneError {
+    let check = asset.check();
+    if let Some(version) = version(&asset.bytes).filter(|version| !version.starts_with("2.")) {
+        return check.invalid("asset.version", "2.0", version);
+    }
     let text: Vec<String> = match error {
         gltf::Error::Validation(found) => {
-            found.iter().take(3).map(|(path, error)| format!("{path}: {error}")).collect()
+            // What follows an extension that we lack may be its consequence.
+            let lacking = found.iter().filter(|(_, error)| *error == gltf::json::validation::Error::Unsupported);
+            let others = found.iter().filter(|(_, error)| *error != gltf::json::validation::Error::Unsupported);
+            lacking.chain(others).take(3).map(|(path, error)| format!("{path}: {error}")).collect()
         }
         other => vec![other.to_string()],
     };
     check.malformed("glTF", text.join("; ").replace('\n', ", "))
+}
+
+/// The version that a file says it has.
+fn version(bytes: &[u8]) -> Option<String> {
+    #[derive(serde::Deserialize)]
+    struct Versioned {
+        asset: Version,
+    }
+    #[derive(serde::Deserialize)]
+    struct Version {
+        version: String,
+    }
+    match bytes {
+        [b'g', b'l', b'T', b'F', 1, 0, 0, 0, ..] => Some("1.0".into()),
+        _ => gltf::json::deserialize::from_slice::<Versioned>(bytes).ok().map(|file| file.asset.version),
+    }
 }
 
 fn place(node: &Node) -> String {

@@ -30,10 +30,8 @@ pub(super) fn read(
     if primitive.morph_targets().len() > 0 {
         notices.push(format!("{}: {place}: morph targets left out", file.check.file.display()));
     }
-    let (mesh, dropped) = proper::mesh(file.check, raw(file, &place, primitive)?, wanted.drop_degenerate)?;
-    if dropped > 0 {
-        notices.push(format!("{}: {place}: dropped {dropped} triangles without area", file.check.file.display()));
-    }
+    let (mesh, mended) = proper::mesh(file.check, raw(file, &place, primitive)?, wanted.drop_degenerate)?;
+    notices.extend(mended.notices(&format!("{}: {place}", file.check.file.display())));
     let Mesh { positions, normals, uvs, triangles } = mesh;
     let skin = match (node.skin(), influences(file, &place, primitive, positions.len())?) {
         (Some(skin), Some(influences)) => {

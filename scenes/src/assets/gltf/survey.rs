@@ -61,7 +61,7 @@ pub(crate) struct Animation {
 
 pub(in crate::assets) fn survey(asset: &Asset) -> Result<Survey, SceneError> {
     let check = asset.check();
-    let Gltf { document, blob } = Gltf::from_slice(&asset.bytes).map_err(|error| malformed(check, &error))?;
+    let Gltf { document, blob } = Gltf::from_slice(&asset.bytes).map_err(|error| malformed(asset, &error))?;
     let file = File { check, asset, document: &document, buffers: Buffers::load(asset, &document, blob)? };
     let nodes = hierarchy::skeleton(&file)?;
     let at_rest = nodes.joints.at_rest();
