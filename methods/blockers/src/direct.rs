@@ -309,7 +309,7 @@ mod tests {
 
     #[test]
     fn height_fields_that_cast_are_left_to_others() {
-        let params = Params::default();
+        let params = Params::defaults(crate::blocker_params!());
         let request = Request { quantity: Quantity::Direct, backend: Backend::Cpu, params: &params };
         let answer = |height_fields| supports(&SceneFacts { height_fields, ..SceneFacts::default() }, &request);
         assert!(matches!(answer(1), Support::Skip(why) if why.contains("height field")));
