@@ -17,6 +17,14 @@ pub const ORDER: ParamSpec = ParamSpec {
     help: "SH order n of light and visibility: bands 0..n−1, n² coefficients",
 };
 
+/// Bands beyond the order.
+pub const EXTRA_BANDS: ParamSpec = ParamSpec {
+    name: "extra-bands",
+    kind: Kind::Int { min: 0, max: 4, default: 0 },
+    phase: Phase::Evaluate,
+    help: "bands beyond the order in which blockers are accumulated, dropped before shading",
+};
+
 /// Spheres an object.
 pub const SPHERES: ParamSpec = ParamSpec {
     name: "spheres",
@@ -97,6 +105,11 @@ pub const LOCAL_LIGHTS: ParamSpec = ParamSpec {
     help: "spheres that emit give light and block none; blockers beyond such a lamp shade it too",
 };
 
+/// The SH order in which blockers are accumulated.
+pub fn accumulated_order(params: &Params) -> usize {
+    params.int(ORDER.name) + params.int(EXTRA_BANDS.name)
+}
+
 /// The gathering rules that a method's parameters ask for.
 pub fn gather(params: &Params) -> Gather {
     let self_shadow = SelfShadow::named(params.choice(SELF_SHADOW.name)).expect("declared by the rules' names");
@@ -127,6 +140,7 @@ macro_rules! blocker_params {
     ($($own:expr),*) => {
         &[
             $crate::params::ORDER,
+            $crate::params::EXTRA_BANDS,
             $($own,)*
             $crate::params::SPHERES,
             $crate::params::SELF_SHADOW,
