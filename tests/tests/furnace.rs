@@ -80,8 +80,8 @@ const SERIES: f32 = 0.01;
 /// `min(1, 4 cos θ)`, `∫₀¹ min(1, 4u) du = 7/8` (Bunnell 2005 widens the cosine, but not to a step).
 const CLOSED_ROOM: f32 = 0.125;
 
-/// How far the elements of one sphere are from finely cut.
-const ELEMENTS: f32 = 0.02;
+/// How far the elements of one sphere, 128 at most, are from finely cut.
+const ELEMENTS: f32 = 0.03;
 
 /// The log of a covered hemisphere is clipped, so SHEXP does not give the hemisphere back: what passes by the
 /// variant's exponential along the axis, guarded, in double precision. At order 4 the visibility errs by 0.0182 of its norm (a figure

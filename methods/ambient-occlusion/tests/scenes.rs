@@ -42,7 +42,7 @@ fn a_ball_overhead_leaves_the_cosine_of_its_angular_radius() {
         for settings in [[("opening", "0"), ("passes", "1")], [("opening", "0.25"), ("passes", "2")]] {
             let found = radiance(&scene(&ball(radius), SKY), &settings) / open;
             let [red, green, blue] = found.to_array().map(f64::from);
-            assert!((red - left).abs() < 0.01, "radius {radius}: {red} for {left}");
+            assert!((red - left).abs() < 0.015, "radius {radius}: {red} for {left}");
             assert!((green - red).abs() < 1e-5 && (blue - red).abs() < 1e-5, "all colours alike: {found}");
         }
     }

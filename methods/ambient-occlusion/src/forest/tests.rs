@@ -209,7 +209,7 @@ fn elements_on_a_point_shadow_nothing_there_and_all_is_finite() {
 fn merged_vertices_keep_area_and_stay_within_the_count() {
     let sites = ball(Vec3::X, 1.0, 1024);
     for most in [1, 2, 100, 1023, 1024, 5000] {
-        let forest = forest(&[sites.clone()], most, 0, 0.5);
+        let forest = forest(std::slice::from_ref(&sites), most, 0, 0.5);
         assert_eq!(forest.elements(), most.min(1024));
         let leaves = (0..forest.skip.len()).filter(|node| forest.is_leaf(*node));
         let area: f32 = leaves.map(|leaf| forest.area[leaf]).sum();
