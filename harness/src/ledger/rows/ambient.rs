@@ -12,6 +12,8 @@ use halflight_scenes::{Light, Rgb, Scene};
 
 const FAMILY: &str = "ambient-occlusion";
 const AMBIENT: &str = "share of the change between opposite lights, ambient occlusion";
+/// Without any shadow there would be none to lose.
+const DARK: &str = "light that ambient occlusion takes away, mean";
 const EXP: &str = "share of the change between opposite lights, SHEXP";
 
 pub(crate) const S11: Row = Row {
@@ -19,7 +21,7 @@ pub(crate) const S11: Row = Row {
     place: "Fig. 1 and §2",
     claim: "Ambient occlusion loses shadows that trail behind bright lighting directions, which SHEXP keeps",
     paper: &[],
-    needs: "a method of the family `ambient-occlusion`, which is not registered yet",
+    needs: "",
     measure,
     judge,
 };
@@ -28,7 +30,8 @@ pub(crate) const S11: Row = Row {
 /// truth's shadows, a method has the share that regression of its change on the truth's finds.
 fn measure(bench: &Bench) -> Result<Vec<Figure>, Error> {
     let ambient = halflight_registry::methods().into_iter().find(|method| method.info().family() == FAMILY);
-    let ambient = ambient.ok_or_else(|| Error::Other(format!("row S11 needs {}", S11.needs)))?.info().id;
+    let ambient =
+        ambient.ok_or_else(|| Error::Other(format!("row S11 needs a method of the family {FAMILY}")))?.info().id;
     let scenes = [1.0, -1.0].map(scene);
     let [first, second] = scenes.each_ref().map(|scene| scene.as_ref());
     let (Ok(first), Ok(second)) = (first, second) else {
@@ -39,7 +42,10 @@ fn measure(bench: &Bench) -> Result<Vec<Figure>, Error> {
         Ok::<Vec<f64>, Error>(first.iter().zip(&second).map(|(a, b)| a - b).collect())
     };
     let truth = change(&|scene| traced(bench, scene))?;
-    let mut figures = Vec::new();
+    let setting = Setting::new(ambient, &[])?;
+    let dark = shadow(&|scene| Ok(bench.shaded(scene, &scene.frame(0), &setting)?.radiance), first)?;
+    let mean = 100.0 * dark.iter().sum::<f64>() / dark.len() as f64;
+    let mut figures = vec![Figure::exact(DARK, "%", mean, dark.len())];
     for (name, method) in [
         (AMBIENT, ambient),
         ("share of the change between opposite lights, SH product", "sh-product/ordered"),
@@ -92,12 +98,13 @@ fn traced(bench: &Bench, scene: &Scene) -> Result<Vec<Rgb>, Error> {
 }
 
 fn judge(figures: &Figures<'_>) -> Option<Judgement> {
-    let [ambient, exp] = figures.values([AMBIENT, EXP])?;
+    let [ambient, exp, dark] = figures.values([AMBIENT, EXP, DARK])?;
     let why = format!(
-        "As the key light comes from the other side, ambient occlusion changes by {} of what the truth changes by along with it, \
-         SHEXP by {}; less than 1/4 counts as lost, more than 3/4 as kept.",
+        "As the key light comes from the other side, ambient occlusion, which takes {}% of the light away, changes by {} of what the \
+         truth changes by along with it, SHEXP by {}; less than 1/4 counts as lost, more than 3/4 as kept.",
+        number(dark),
         number(ambient),
         number(exp)
     );
-    Some(Judgement { verdict: Verdict::of(&[ambient < 0.25, exp > 0.75]), why })
+    Some(Judgement { verdict: Verdict::of(&[dark > 1.0 && ambient < 0.25, exp > 0.75]), why })
 }

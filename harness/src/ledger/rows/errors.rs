@@ -1,21 +1,14 @@
 //! S7: sizes and signs of the sources of error.
 
 use super::super::bench::{Bench, Figure, Setting, silent};
-use super::super::ground::light;
 use super::super::row::{Figures, Judgement, Row, Verdict, number};
 use crate::Error;
 use crate::budget::chain::walk;
 use crate::budget::{Asked, Seen, apart};
-use crate::execute::Runner;
 use crate::probe::Question;
 use halflight_contract::Quantity;
 use halflight_metrics::Difference;
-use halflight_scenes::{Frame, Rgb, Scene};
-use halflight_sh::{coefficients, gamma, irradiance_weights};
-
-/// SH order of the light and of shading, and the higher one at which blockers are summed.
-const ORDER: usize = 4;
-const HIGHER: usize = 6;
+use halflight_scenes::{Rgb, Scene};
 
 const SCENES: [(&str, &str); 2] = [("bunny-studio@0.5", "bunny"), ("dino-elephant-courtyard@0.5", "dino and elephant")];
 const SPHERES: &str = "spheres for meshes";
@@ -74,31 +67,12 @@ fn scene_figures(bench: &Bench, name: &str, model: &str) -> Result<Vec<Figure>, 
     Ok(figures)
 }
 
-/// PS*-2 of logs summed at the higher order, truncated to the lower one before shading.
+/// PS*-2 of logs summed at order 6, truncated to 4 before shading.
 fn truncated(bench: &Bench, asked: &Asked<'_>, scene: &Scene) -> Result<Seen, Error> {
-    let setting = Setting::new("shexp/ps-star", &[("p", "2"), ("order", &HIGHER.to_string())])?;
-    let mut runner = Runner::new(bench.task(scene, setting.method, &setting.params));
-    runner.picture(&asked.frame, &mut silent).map_err(Error::Other)?;
-    let visibility = runner.visibility(&asked.frame, ORDER as u8, &mut silent).map_err(Error::Other)?;
-    let radiance = shade(&asked.frame, &light(bench, scene, ORDER)?, &visibility);
+    let setting = Setting::new("shexp/ps-star", &[("p", "2"), ("extra-bands", "2")])?;
+    let radiance = bench.shaded(scene, &asked.frame, &setting)?.radiance;
     let variance = vec![Rgb::ZERO; radiance.len()];
     Ok(Seen { picture: asked.picture(radiance), variance })
-}
-
-/// What receivers reflect under light of the lower order, `(L, H(N) * g)`.
-fn shade(frame: &Frame, light: &[Vec<f32>; 3], visibility: &[f32]) -> Vec<Rgb> {
-    let receivers = &frame.receivers;
-    let (mut weights, mut transfer) = (vec![0.0; coefficients(ORDER)], vec![0.0; coefficients(ORDER)]);
-    let shade = |(receiver, g): (usize, &[f32])| {
-        if !receivers.valid[receiver] {
-            return Rgb::ZERO;
-        }
-        irradiance_weights(ORDER, receivers.normal[receiver].to_array(), &mut weights);
-        gamma(ORDER).product(&weights, g, &mut transfer);
-        let channel = |l: &Vec<f32>| l.iter().zip(&transfer).map(|(l, t)| l * t).sum::<f32>();
-        Rgb::from_array(light.each_ref().map(channel)) * receivers.albedo[receiver]
-    };
-    visibility.chunks_exact(coefficients(ORDER)).enumerate().map(shade).collect()
 }
 
 fn judge(figures: &Figures<'_>) -> Option<Judgement> {
@@ -137,28 +111,4 @@ fn judge(figures: &Figures<'_>) -> Option<Judgement> {
         told.join("; ")
     );
     Some(Judgement { verdict: Verdict::of(&parts), why })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::super::bench::Terms;
-    use super::*;
-
-    /// Shading here is the method's: order 4 without truncation gives its picture.
-    #[test]
-    fn visibility_is_shaded_as_methods_do() {
-        let dir = tempfile::tempdir().unwrap();
-        let terms = Terms { cache: dir.path().into(), quality: Default::default(), rounds: 1 };
-        let bench = Bench::new(&terms);
-        let scene = halflight_scenes::find("spheres-60@0.1").unwrap();
-        let frame = scene.frame(0);
-        let setting = Setting::new("shexp/ps-star", &[("p", "2")]).unwrap();
-        let mut runner = Runner::new(bench.task(&scene, setting.method, &setting.params));
-        let shaded = runner.picture(&frame, &mut silent).unwrap().radiance;
-        let visibility = runner.visibility(&frame, ORDER as u8, &mut silent).unwrap();
-        let ours = shade(&frame, &light(&bench, &scene, ORDER).unwrap(), &visibility);
-        for (ours, theirs) in ours.iter().zip(&shaded) {
-            assert!((*ours - *theirs).abs().max_element() < 1e-4 * theirs.max_element().abs().max(1.0));
-        }
-    }
 }
