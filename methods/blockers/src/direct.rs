@@ -37,8 +37,8 @@ pub trait Accumulator: Send + Sync + Sized {
     fn begin(&self, state: &mut Self::State);
     /// Adds blockers: at each receiver the circles in its lane, in the order given. A lane without a circle stays as it is.
     fn block(&self, state: &mut Self::State, circles: &Circles);
-    /// Writes the visibilities, `order²` blocks, and counts the SH operations spent on them. `blockers` holds the number of
-    /// circles at each receiver; lanes beyond are nobody's.
+    /// Writes the visibilities, as many blocks as the accumulated order has coefficients, and counts the SH operations spent on
+    /// them. `blockers` holds the number of circles at each receiver; lanes beyond are nobody's.
     fn finish(&self, state: &mut Self::State, blockers: &[u32], visibility: &mut [Block<f32>], work: &mut Work);
 }
 
@@ -84,7 +84,9 @@ pub struct DirectLight<'s, A> {
 /// What sphere-blocker methods answer: direct light of what is distant and of spheres that emit, and visibility up to their own order, where
 /// spheres can stand for all that casts shadows. A height field is an open surface: spheres around it would bury the receivers on it.
 pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
+    let (order, most) = (params::accumulated_order(request.params), halflight_sh::MAX_ORDER);
     match request.quantity {
+        _ if order > most => Support::Skip(format!("order + extra-bands is {order}, expected at most {most}")),
         _ if facts.height_fields > 0 => {
             Support::Skip("spheres cannot stand for a height field that casts shadows".into())
         }
@@ -170,7 +172,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
         let (shading, channels) = (self.shading(), self.quantity.channels());
         let forest = clustered.forest(&self.spheres);
         let shade = |cut: &mut Cut, cluster| {
-            let visits = forest.cut(rule, self.gather, shading.batch, receivers, cluster, cut);
+            let visits = forest.cut(rule, self.gather, shading.fine, receivers, cluster, cut);
             let members = clustered.members(cluster);
             let mut out = vec![0.0; members.len() * channels];
             let (tally, work) = shading.shade(receivers, members, cut.blockers(), |place, values| {
@@ -193,6 +195,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
         Shading {
             accumulator: &self.accumulator,
             batch: Batch::new(self.order),
+            fine: Batch::new(params::accumulated_order(&self.params)),
             gather: self.gather,
             quantity: self.quantity,
             guard: self.params.flag(params::GUARD.name),
@@ -309,7 +312,7 @@ mod tests {
 
     #[test]
     fn height_fields_that_cast_are_left_to_others() {
-        let params = Params::default();
+        let params = Params::defaults(crate::blocker_params!());
         let request = Request { quantity: Quantity::Direct, backend: Backend::Cpu, params: &params };
         let answer = |height_fields| supports(&SceneFacts { height_fields, ..SceneFacts::default() }, &request);
         assert!(matches!(answer(1), Support::Skip(why) if why.contains("height field")));

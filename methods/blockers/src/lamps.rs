@@ -1,8 +1,11 @@
 //! Local lights: spheres that emit, seen from each receiver as circles of light (Ren 2006, §7, "Analytic Lights").
 //!
-//! The paper tabulates `H(N) * L` over the light's angular radius and its angle to the normal, and fits a lobe that is cheap to rotate.
-//! Here `H(N) * g` is at hand in lanes for all lights together, so that a lamp costs its zonal coefficients, a rotation and a dot product,
-//! and nothing is fitted.
+//! The paper tabulates `H(N) * L` over the light's angular radius and its angle to the normal, fits a lobe that is cheap to rotate, and
+//! takes its dot product with the visibility. Here a lamp's light with nothing in the way is known in closed form, and spherical harmonics
+//! say only which share of the circle is visible, `(g, L)/(1, L)`: nothing is fitted, the clamped cosine is not truncated, no light
+//! comes from below the horizon, and a lamp costs its zonal coefficients, a rotation and a dot product.
+
+use std::f32::consts::PI;
 
 use halflight_scenes::{Frame, Rgb, Scene, Shape, Sphere};
 use halflight_sh::{Batch, Block, LANES, coefficients};
@@ -32,11 +35,28 @@ pub(crate) fn lamps(scene: &Scene, frame: &Frame) -> Vec<Lamp> {
     lamps
 }
 
+/// 16 receivers with their visibilities.
+pub(crate) struct Seers<'a> {
+    pub(crate) position: [Block<f32>; 3],
+    /// Shading normals.
+    pub(crate) normal: [Block<f32>; 3],
+    /// `order²` blocks.
+    pub(crate) visibility: &'a [Block<f32>],
+}
+
 /// One task's scratch.
 pub(crate) struct Glow {
     batch: Batch,
     zonal: Vec<Block<f32>>,
     light: Vec<Block<f32>>,
+}
+
+/// A lamp's circle as 16 receivers see it.
+struct Circle {
+    direction: [Block<f32>; 3],
+    sine: Block<f32>,
+    /// `1/π ∫ max(0, n·ω) dω` over it.
+    open: Block<f32>,
 }
 
 impl Glow {
@@ -45,42 +65,122 @@ impl Glow {
         Glow { batch, zonal: blocks(batch.order()), light: blocks(coefficients(batch.order())) }
     }
 
-    /// Adds what lamps bring to receivers at `position` with `transfer`, `H(N) * g`. Receivers inside a lamp see none of its light: it
-    /// leaves its front. `window` holds a factor a band.
+    /// Adds what lamps bring to surfaces of albedo 1. `window` holds a factor a band; `guard` keeps visible shares within [0, 1], which
+    /// ringing leaves.
     pub(crate) fn add(
         &mut self,
         lamps: &[Lamp],
-        position: &[Block<f32>; 3],
-        transfer: &[Block<f32>],
+        seers: &Seers<'_>,
         window: &[f32],
+        guard: bool,
         irradiance: &mut [Block<f32>; 3],
     ) {
         for lamp in lamps {
-            let (direction, sine) = seen(lamp.sphere, position);
-            self.batch.circle_lights(&[sine], &mut self.zonal);
+            let circle = Circle::new(lamp.sphere, seers);
+            if circle.open.0.iter().all(|open| *open == 0.0) {
+                continue;
+            }
+            self.batch.circle_lights(&[circle.sine], &mut self.zonal);
+            let whole = self.zonal[0]; // times the open sky's first coefficient, which y₀₀ makes 1
             self.batch.scale(window, &mut self.zonal);
-            self.batch.rotate_zonal(&self.zonal, &[direction], &mut self.light);
-            let share = self.batch.dot_each(&self.light, transfer);
-            for (sum, radiance) in irradiance.iter_mut().zip(lamp.radiance.to_array()) {
-                sum.0.iter_mut().zip(share.0).for_each(|(sum, share)| *sum += radiance * share);
+            self.batch.rotate_zonal(&self.zonal, &[circle.direction], &mut self.light);
+            let seen = self.batch.dot_each(&self.light, seers.visibility);
+            for lane in 0..LANES {
+                let open = circle.open.0[lane];
+                let share = if open > 0.0 { seen.0[lane] / (whole.0[lane] * (4.0 * PI).sqrt()) } else { 0.0 };
+                let share = if guard { share.clamp(0.0, 1.0) } else { share };
+                for (sum, radiance) in irradiance.iter_mut().zip(lamp.radiance.to_array()) {
+                    sum.0[lane] += radiance * open * share;
+                }
             }
         }
     }
 }
 
-/// Unit directions and sines of the angular radii; 0 inside the sphere.
-fn seen(sphere: Sphere, position: &[Block<f32>; 3]) -> ([Block<f32>; 3], Block<f32>) {
-    let center = sphere.center.to_array();
-    let mut to: [Block<f32>; 3] =
-        std::array::from_fn(|axis| Block(position[axis].0.map(|position| center[axis] - position)));
-    let mut sine = Block::ZERO;
-    for lane in 0..LANES {
-        let [x, y, z] = [0, 1, 2].map(|axis| to[axis].0[lane]);
-        let distance = (x * x + y * y + z * z).sqrt();
-        let outside = distance > sphere.radius;
-        sine.0[lane] = if outside { sphere.radius / distance } else { 0.0 };
-        let nearness = if outside { 1.0 / distance } else { 0.0 };
-        to.iter_mut().for_each(|axis| axis.0[lane] *= nearness);
+impl Circle {
+    /// Receivers inside the sphere see none of its light: it leaves its front.
+    fn new(sphere: Sphere, seers: &Seers<'_>) -> Self {
+        let mut circle = Circle { direction: [Block::ZERO; 3], sine: Block::ZERO, open: Block::ZERO };
+        let center = sphere.center.to_array();
+        for lane in 0..LANES {
+            let to = [0, 1, 2].map(|axis| center[axis] - seers.position[axis].0[lane]);
+            let distance = to.iter().map(|v| v * v).sum::<f32>().sqrt();
+            if distance > sphere.radius {
+                let direction = to.map(|v| v / distance);
+                let cosine = (0..3).map(|axis| direction[axis] * seers.normal[axis].0[lane]).sum();
+                circle.direction.iter_mut().zip(direction).for_each(|(axis, v)| axis.0[lane] = v);
+                circle.sine.0[lane] = sphere.radius / distance;
+                circle.open.0[lane] = open(circle.sine.0[lane], cosine);
+            }
+        }
+        circle
     }
-    (to, sine)
+}
+
+/// `1/π ∫ max(0, n·ω) dω` over a circle of angular radius θ by sin θ and the cosine of the angle between its middle and the normal: `sin²θ cos γ`
+/// above the horizon, 0 below, and what a plane leaves of a circle between.
+fn open(sine: f32, cosine: f32) -> f32 {
+    let square = sine * sine;
+    if cosine.abs() >= sine {
+        return square * cosine.max(0.0);
+    }
+    let (cut, rest) = ((sine - cosine) * (sine + cosine), (1.0 - square).max(0.0));
+    let across = (1.0 - cosine * cosine).max(f32::MIN_POSITIVE);
+    let turn = (-cosine * (rest / (square * across)).sqrt()).clamp(-1.0, 1.0).acos();
+    let chord = cut.sqrt().atan2(rest.sqrt());
+    let kept = square * cosine * turn + segment(chord) + 0.5 * cosine * cosine * (2.0 * chord).sin();
+    (kept / PI).max(0.0)
+}
+
+/// `x − sin(2x)/2`, to the last digits where it is small.
+fn segment(x: f32) -> f32 {
+    let square = x * x;
+    if square < 0.1 {
+        return x * square * (2.0 / 3.0 - square * (2.0 / 15.0 - square * (4.0 / 315.0 - square * (2.0 / 2835.0))));
+    }
+    x - 0.5 * (2.0 * x).sin()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The integral over the circle in rings about its middle.
+    fn integral(angle: f64, tilt: f64) -> f64 {
+        let (rings, turns) = (600, 600);
+        let mut sum = 0.0;
+        for ring in 0..rings {
+            let theta = (f64::from(ring) + 0.5) / f64::from(rings) * angle;
+            for turn in 0..turns {
+                let phi = (f64::from(turn) + 0.5) / f64::from(turns) * std::f64::consts::TAU;
+                let cosine = theta.cos() * tilt.cos() + theta.sin() * phi.cos() * tilt.sin();
+                sum += cosine.max(0.0) * theta.sin();
+            }
+        }
+        sum * angle / f64::from(rings) * 2.0 / f64::from(turns)
+    }
+
+    #[test]
+    fn open_lamps_give_their_integral_at_every_tilt() {
+        for angle in [0.01f64, 0.3, 0.9, 1.4] {
+            for step in 0..=40 {
+                let tilt = f64::from(step) / 40.0 * std::f64::consts::PI;
+                let (exact, found) = (integral(angle, tilt), open(angle.sin() as f32, tilt.cos() as f32));
+                let error = (f64::from(found) - exact).abs() / angle.sin().powi(2);
+                assert!(error < 2e-4, "{angle} {tilt}: {found} for {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn tiny_lamps_lose_no_digits_and_the_rim_does_not_jump() {
+        for sine in [1e-6f32, 1e-3, 0.1, 0.999] {
+            assert_eq!(open(sine, 1.0), sine * sine);
+            assert_eq!(open(sine, -sine), 0.0);
+            for side in [1.0, -1.0] {
+                let (inside, outside) = (open(sine, side * sine * 0.999), open(sine, side * sine * 1.001));
+                assert!((inside - outside).abs() < 4e-3 * sine.powi(3), "{sine}: {inside} and {outside}");
+            }
+        }
+    }
 }

@@ -6,7 +6,7 @@ use halflight_proxies::{DEFAULT_COUNT, MAX_COUNT, SelfShadow};
 use crate::Gather;
 use crate::cut::Rule;
 
-/// The most that another grouping changed a receiver under unit light by, with θmax = 30°; see `docs/cuts.md`.
+/// Several times what another grouping changed a receiver by, with θmax = 30° under unit light: 0.012, on a scene made to tell.
 const COMPANY: f32 = 0.05;
 
 /// SH order of light, visibility and shading.
@@ -15,6 +15,14 @@ pub const ORDER: ParamSpec = ParamSpec {
     kind: Kind::Int { min: 1, max: halflight_sh::MAX_ORDER as i64, default: 4 },
     phase: Phase::Prepare,
     help: "SH order n of light and visibility: bands 0..n−1, n² coefficients",
+};
+
+/// Bands beyond the order.
+pub const EXTRA_BANDS: ParamSpec = ParamSpec {
+    name: "extra-bands",
+    kind: Kind::Int { min: 0, max: 4, default: 0 },
+    phase: Phase::Evaluate,
+    help: "bands beyond the order in which blockers are accumulated, dropped before shading",
 };
 
 /// Spheres an object.
@@ -97,16 +105,25 @@ pub const LOCAL_LIGHTS: ParamSpec = ParamSpec {
     help: "spheres that emit give light and block none; blockers beyond such a lamp shade it too",
 };
 
+/// The SH order in which blockers are accumulated.
+pub fn accumulated_order(params: &Params) -> usize {
+    params.int(ORDER.name) + params.int(EXTRA_BANDS.name)
+}
+
 /// The gathering rules that a method's parameters ask for.
 pub fn gather(params: &Params) -> Gather {
     let self_shadow = SelfShadow::named(params.choice(SELF_SHADOW.name)).expect("declared by the rules' names");
     Gather { self_shadow, min_sin_angle: params.float(MIN_ANGLE.name).to_radians().sin() as f32 }
 }
 
-/// How receivers couple: those that share a cut keep each other company, and another company may change a receiver by so much
-/// radiance as was found on scenes made to overlap.
+/// How receivers couple: by clusters if they share cuts. The bound was measured with ratio vectors up to 30°; beyond, all light may
+/// come and go.
 pub fn coupling(params: &Params) -> Coupling {
-    if params.float(CUT.name) > 0.0 { Coupling::Clustered(COMPANY) } else { Coupling::Independent }
+    match params.float(CUT.name) {
+        0.0 => Coupling::Independent,
+        angle if angle <= 30.0 && params.flag(RATIO.name) => Coupling::Clustered(COMPANY),
+        _ => Coupling::Clustered(1.0),
+    }
 }
 
 /// How cuts are made, if there are to be any.
@@ -123,6 +140,7 @@ macro_rules! blocker_params {
     ($($own:expr),*) => {
         &[
             $crate::params::ORDER,
+            $crate::params::EXTRA_BANDS,
             $($own,)*
             $crate::params::SPHERES,
             $crate::params::SELF_SHADOW,

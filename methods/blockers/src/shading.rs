@@ -7,7 +7,7 @@ use halflight_sh::{
     Batch, Block, LANES, apply_bands, clamped_cosine, coefficients, pack, project_binary_bound, unpack,
 };
 
-use crate::lamps::{Glow, Lamp};
+use crate::lamps::{Glow, Lamp, Seers};
 use crate::{Accumulator, Blockers, Gather, Tally, Work};
 
 /// Above this, light times visibility could overflow: the guard then acts even where it is switched off.
@@ -16,7 +16,10 @@ const OVERFLOW: f32 = 1e30;
 /// What a task needs to shade receivers.
 pub(crate) struct Shading<'a, A> {
     pub(crate) accumulator: &'a A,
+    /// Of light and shading.
     pub(crate) batch: Batch,
+    /// Of accumulation, of this order or a higher one.
+    pub(crate) fine: Batch,
     pub(crate) gather: Gather,
     pub(crate) quantity: Quantity,
     pub(crate) guard: bool,
@@ -88,12 +91,12 @@ impl<A: Accumulator> Shading<'_, A> {
     }
 
     fn scratch(&self) -> Scratch<A::State> {
-        let order = self.batch.order();
+        let (order, fine) = (self.batch.order(), coefficients(self.fine.order()));
         let blocks = || vec![Block::ZERO; coefficients(order)];
         Scratch {
             state: self.accumulator.state(),
-            visibility: blocks(),
-            vectors: vec![0.0; LANES * coefficients(order)],
+            visibility: vec![Block::ZERO; fine],
+            vectors: vec![0.0; LANES * fine],
             cosine: clamped_cosine(order).iter().map(|&value| Block::splat(value as f32)).collect(),
             weights: blocks(),
             transfer: blocks(),
@@ -101,7 +104,7 @@ impl<A: Accumulator> Shading<'_, A> {
         }
     }
 
-    /// Stores the visibilities of a group, guarded and windowed, in `vectors`.
+    /// Stores the visibilities of a group, guarded, cut down to the order and windowed, in `vectors`.
     fn visibility(
         &self,
         receivers: &Receivers,
@@ -111,20 +114,22 @@ impl<A: Accumulator> Shading<'_, A> {
         tally: &mut Tally,
         work: &mut Work,
     ) {
-        let (accumulator, order) = (self.accumulator, self.batch.order());
+        let (accumulator, fine) = (self.accumulator, self.fine.order());
         let Scratch { state, visibility, vectors, .. } = scratch;
         accumulator.begin(state);
         let accumulate = |circles: &_| accumulator.block(state, circles);
         let counts = self.gather.circles(receivers, group, blockers, tally, accumulate);
         accumulator.finish(state, &counts[..group.len()], visibility, work);
-        unpack(order, visibility, vectors);
-        for vector in vectors.chunks_exact_mut(coefficients(order)).take(group.len()) {
+        unpack(fine, visibility, vectors);
+        for vector in vectors.chunks_exact_mut(coefficients(fine)).take(group.len()) {
             if self.guard || vector.iter().any(|v| v.is_nan() || v.abs() > OVERFLOW) {
-                work.guarded += u64::from(project_binary_bound(order, vector));
+                work.guarded += u64::from(project_binary_bound(fine, vector));
             }
-            if let Some(window) = &self.visibility_window {
-                apply_bands(window, vector);
-            }
+        }
+        let (size, kept) = (coefficients(fine), coefficients(self.batch.order()));
+        (1..LANES).for_each(|lane| vectors.copy_within(lane * size..lane * size + kept, lane * kept));
+        if let Some(window) = &self.visibility_window {
+            vectors.chunks_exact_mut(kept).take(group.len()).for_each(|vector| apply_bands(window, vector));
         }
     }
 
@@ -132,13 +137,16 @@ impl<A: Accumulator> Shading<'_, A> {
     fn irradiance(&self, receivers: &Receivers, group: &[usize], scratch: &mut Scratch<A::State>) -> [Block<f32>; 3] {
         let Scratch { visibility, vectors, cosine, weights, transfer, glow, .. } = scratch;
         let normal = lanes(group, &receivers.normal);
-        pack(self.batch.order(), vectors, visibility);
+        let size = coefficients(self.batch.order());
+        let visibility = &mut visibility[..size];
+        pack(self.batch.order(), &vectors[..LANES * size], visibility);
         self.batch.rotate_zonal(cosine, &[normal], weights);
         self.batch.product(weights, visibility, transfer);
         let mut irradiance = std::array::from_fn(|channel| self.batch.dot(&self.light[channel], transfer));
         if !self.lamps.is_empty() {
             let position = lanes(group, &receivers.position);
-            glow.add(self.lamps, &position, transfer, self.light_window, &mut irradiance);
+            let seers = Seers { position, normal, visibility };
+            glow.add(self.lamps, &seers, self.light_window, self.guard, &mut irradiance);
         }
         irradiance
     }

@@ -11,7 +11,7 @@ const EVALUATIONS: usize = 60;
 /// First step of the centre's search, in radii.
 const STEP: f32 = 0.2;
 /// Radii are larger than the distance to the farthest point by this factor, so that comparing squares never lets it out.
-const SLACK: f32 = 1.000_001;
+pub(crate) const SLACK: f32 = 1.000_001;
 /// Balls that are asked to take a point that another gives away.
 const TAKERS: usize = 16;
 
@@ -222,27 +222,36 @@ impl<'a> Clusters<'a> {
 }
 
 /// Points in groups of eight, so that the compiler makes vectors of them.
-struct Lanes {
+pub(crate) struct Lanes {
     groups: Vec<[[f32; 8]; 3]>,
 }
 
 impl Lanes {
-    fn new(points: impl Iterator<Item = Vec3>) -> Lanes {
+    pub(crate) fn new(points: impl Iterator<Item = Vec3>) -> Lanes {
         let points: Vec<Vec3> = points.collect();
         let group = |chunk: &[Vec3]| [0, 1, 2].map(|axis| std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)][axis]));
         Lanes { groups: points.chunks(8).map(group).collect() }
     }
 
-    /// Distance from a place to the farthest point.
-    fn farthest(&self, place: Vec3) -> f32 {
-        let mut most = [0.0_f32; 8];
+    /// Distance from a place to the farthest point; 0 without points.
+    pub(crate) fn farthest(&self, place: Vec3) -> f32 {
+        self.fold(place, 0.0, |distance, most| if distance > most { distance } else { most }).sqrt()
+    }
+
+    /// Distance from a place to the nearest point; infinite without points.
+    pub(crate) fn nearest(&self, place: Vec3) -> f32 {
+        self.fold(place, f32::INFINITY, |distance, least| if distance < least { distance } else { least }).sqrt()
+    }
+
+    /// What a choice between two, first by lane, leaves of the squared distances from a place.
+    fn fold(&self, place: Vec3, start: f32, choice: impl Fn(f32, f32) -> f32) -> f32 {
+        let mut chosen = [start; 8];
         for [x, y, z] in &self.groups {
-            for (i, most) in most.iter_mut().enumerate() {
+            for (i, chosen) in chosen.iter_mut().enumerate() {
                 let (dx, dy, dz) = (x[i] - place.x, y[i] - place.y, z[i] - place.z);
-                let distance = dx * dx + dy * dy + dz * dz;
-                *most = if distance > *most { distance } else { *most };
+                *chosen = choice(dx * dx + dy * dy + dz * dz, *chosen);
             }
         }
-        most.into_iter().fold(0.0, f32::max).sqrt()
+        chosen.into_iter().fold(start, &choice)
     }
 }

@@ -12,7 +12,10 @@
 //! A [`Hierarchy`] bounds groups of them, coarser and coarser, for receivers that are far away.
 
 mod binding;
+mod body;
 mod cluster;
+mod competitors;
+mod excess;
 mod flood;
 mod hierarchy;
 mod levels;
@@ -23,11 +26,16 @@ mod samples;
 mod search;
 mod self_shadow;
 mod set;
+#[cfg(test)]
+#[path = "../tests/shapes/mod.rs"]
+#[allow(dead_code, reason = "shared with the integration tests")]
+mod shapes;
 mod voxels;
 
 pub use binding::{Binding, BindingOf};
+pub use excess::Excess;
 pub use hierarchy::Hierarchy;
 pub use posed::{PosedSpheres, Proxy, blockers};
 pub use recipe::{SpheresOf, proxies};
 pub use self_shadow::{Circle, SelfShadow, seen};
-pub use set::{DEFAULT_COUNT, MAX_COUNT, SphereSet, sphere_set};
+pub use set::{DEFAULT_COUNT, MAX_COUNT, Maker, SphereSet, sphere_set};

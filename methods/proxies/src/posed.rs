@@ -22,7 +22,7 @@ impl Proxy {
     }
 
     /// The spheres of an object where it is at a time.
-    fn posed(&self, of: &Object, object: &PosedObject, time: f32) -> Vec<Sphere> {
+    pub(crate) fn posed(&self, of: &Object, object: &PosedObject, time: f32) -> Vec<Sphere> {
         let carried = |center| object.pose.point(center);
         let spheres = self.set.spheres.iter();
         match (&self.binding, &*object.shape) {

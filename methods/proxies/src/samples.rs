@@ -70,7 +70,7 @@ impl Samples {
         let cells = Cells::over(surface, spacing);
         let centers = (0..cells.count()).map(|i| cells.center(cells.cell_at(i as u32)));
         let interior: Vec<Vec3> = centers.filter(|p| voxels.contains(*p)).collect();
-        let mut points = thinned(surface, 0.5 * spacing);
+        let mut points: Vec<Vec3> = thinned(surface, 0.5 * spacing).into_iter().map(|i| surface[i]).collect();
         points.extend(&interior);
         let mut samples = Samples {
             points: Vec::with_capacity(points.len()),
@@ -122,10 +122,10 @@ fn by_cell(points: &[Vec3], cells: Cells) -> Vec<(u32, u32)> {
     pairs
 }
 
-/// The first point of every cell of a grid.
-fn thinned(points: &[Vec3], size: f32) -> Vec<Vec3> {
+/// The first point of every cell of a grid, by index.
+pub(crate) fn thinned(points: &[Vec3], size: f32) -> Vec<usize> {
     let pairs = by_cell(points, Cells::over(points, size));
-    pairs.chunk_by(|a, b| a.0 == b.0).map(|group| points[group[0].1 as usize]).collect()
+    pairs.chunk_by(|a, b| a.0 == b.0).map(|group| group[0].1 as usize).collect()
 }
 
 /// All positions, the midpoints of all triangles, and points no further than about `spacing` apart on triangles that

@@ -250,17 +250,12 @@ pub(crate) fn bounds(positions: &[Vec3]) -> (Vec3, Vec3) {
 }
 
 #[cfg(test)]
-#[path = "../tests/shapes/mod.rs"]
-#[allow(dead_code, reason = "shared with the integration tests")]
-mod shapes;
-
-#[cfg(test)]
 mod tests {
     use glam::Quat;
     use halflight_scenes::Mesh;
 
-    use super::shapes::{cuboid, icosphere, moved, square, torus, volume};
     use super::*;
+    use crate::shapes::{cuboid, icosphere, moved, square, torus, volume};
 
     const RESOLUTION: u32 = 64;
 

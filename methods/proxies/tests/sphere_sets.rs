@@ -1,16 +1,20 @@
-//! Sphere sets of meshes whose shape is known.
+//! Sphere sets of meshes whose shape is known, by all makers.
 
 #[allow(dead_code, reason = "shared with the other tests")]
 mod shapes;
 
 use glam::{Quat, Vec3};
-use halflight_proxies::{MAX_COUNT, SphereSet, sphere_set};
+use halflight_proxies::{MAX_COUNT, Maker, SphereSet, sphere_set};
 use halflight_scenes::{Mesh, Sphere};
 use proptest::prelude::*;
 use shapes::{capsule, cuboid, icosphere, mesh, moved, square, torus};
 
 fn set_of(mesh: &Mesh, count: usize) -> SphereSet {
     sphere_set(mesh, count, &mut |_, _| true).expect("nobody cancels")
+}
+
+fn set_by(maker: Maker, mesh: &Mesh, count: usize) -> SphereSet {
+    maker.make(mesh, count, &mut |_, _| true).expect("nobody cancels")
 }
 
 /// The first position or midpoint that no sphere holds.
@@ -49,8 +53,10 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(10) })]
 
     #[test]
-    fn every_position_and_midpoint_is_bounded(mesh in any_mesh(), count in 1_usize..24) {
-        let set = set_of(&mesh, count);
+    fn every_position_and_midpoint_is_bounded(
+        mesh in any_mesh(), count in 1_usize..24, maker in prop::sample::select(&Maker::ALL),
+    ) {
+        let set = set_by(maker, &mesh, count);
         prop_assert!(!set.spheres.is_empty() && set.spheres.len() <= count);
         prop_assert!(sound(&set), "{set:?}");
         prop_assert_eq!(bare_point(&mesh, &set.spheres), None);
@@ -114,14 +120,16 @@ fn flat_and_tiny_meshes_have_finite_sets() {
     let plate = moved(cuboid(Vec3::new(1.0, 1.0, 1e-4)), 1.0, Quat::from_rotation_x(0.5), Vec3::ZERO);
     let dust = moved(icosphere(1), 1e-20, Quat::IDENTITY, Vec3::ZERO);
     let huge = moved(icosphere(1), 1e37, Quat::IDENTITY, Vec3::ZERO);
-    for mesh in [point, line, plate, dust, huge, square()] {
-        for count in [1, 7] {
-            let set = set_of(&mesh, count);
-            assert!(!set.spheres.is_empty() && sound(&set), "{:?}", set.outside_volume);
-            assert_eq!(bare_point(&mesh, &set.spheres), None);
-        }
+    let triangle = mesh(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
+    let mut meshes = vec![point, line, plate, dust, huge, triangle, square()];
+    meshes.push(pair(icosphere(1), moved(icosphere(1), 0.1, Quat::IDENTITY, 50.0 * Vec3::X)));
+    let makers = [(Maker::Variational, 1), (Maker::Variational, 7), (Maker::Octree, 7), (Maker::Medial, 7)];
+    for (mesh, (maker, count)) in meshes.iter().flat_map(|mesh| makers.map(|maker| (mesh, maker))) {
+        let set = set_by(maker, mesh, count);
+        assert!((1..=count).contains(&set.spheres.len()) && sound(&set), "{maker:?}: {:?}", set.outside_volume);
+        assert_eq!(bare_point(mesh, &set.spheres), None, "{maker:?}");
     }
-    assert_eq!(set_of(&Mesh::default(), 3), SphereSet::default());
+    assert!(Maker::ALL.iter().all(|maker| set_by(*maker, &Mesh::default(), 3) == SphereSet::default()));
 }
 
 /// One ball around a square of side 2 is the very ball that its outside volume is measured against.
@@ -135,20 +143,70 @@ fn a_mesh_without_interior_is_measured_against_its_bounding_ball() {
 fn any_count_is_taken() {
     let line = mesh(vec![Vec3::ZERO, Vec3::X, 2.0 * Vec3::X], vec![[0, 1, 2]]);
     for (mesh, count) in [(torus(1.0, 0.2), 200), (line.clone(), 0), (line, usize::MAX)] {
-        let set = set_of(&mesh, count);
-        assert!(sound(&set) && (1..=count.clamp(1, MAX_COUNT)).contains(&set.spheres.len()), "{count}");
-        assert_eq!(bare_point(&mesh, &set.spheres), None);
+        for maker in Maker::ALL {
+            let set = set_by(maker, &mesh, count);
+            assert!(sound(&set) && (1..=count.clamp(1, MAX_COUNT)).contains(&set.spheres.len()), "{maker:?} {count}");
+            assert_eq!(bare_point(&mesh, &set.spheres), None, "{maker:?}");
+        }
     }
+}
+
+/// Two meshes as one.
+fn pair(mut one: Mesh, other: Mesh) -> Mesh {
+    let first = one.positions.len() as u32;
+    one.positions.extend(other.positions);
+    one.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
+    one
+}
+
+#[test]
+fn octants_of_a_cube_are_held_by_the_spheres_through_their_corners() {
+    let set = set_by(Maker::Octree, &cuboid(Vec3::ONE), 8);
+    assert_eq!(set.spheres.len(), 8);
+    for sphere in &set.spheres {
+        assert!((sphere.center.abs() - 0.25).length() < 1e-4, "{sphere:?}");
+        assert!((sphere.radius - 0.25 * 3.0_f32.sqrt()).abs() < 1e-4, "{sphere:?}");
+    }
+    // Seven of eight octants are one too many for a set of seven: the cube stays whole.
+    let whole = set_by(Maker::Octree, &cuboid(Vec3::ONE), 7);
+    assert!(whole.spheres.len() == 1 && (whole.spheres[0].radius - 0.5 * 3.0_f32.sqrt()).abs() < 1e-4);
+}
+
+/// The ball around the cube around the unit ball: 3√3 times its volume.
+#[test]
+fn one_cell_of_an_octree_has_the_outside_volume_of_its_closed_form() {
+    let outside = set_by(Maker::Octree, &icosphere(4), 1).outside_volume;
+    assert!((outside / (27.0_f32.sqrt() - 1.0) - 1.0).abs() < 0.02, "{outside}");
+}
+
+/// Of two balls far apart, the medial set of two spheres is the two.
+#[test]
+fn separate_balls_are_their_own_medial_set() {
+    let balls = pair(icosphere(3), moved(icosphere(3), 0.5, Quat::IDENTITY, 3.0 * Vec3::X));
+    let mut set = set_by(Maker::Medial, &balls, 2);
+    set.spheres.sort_by(|a, b| a.radius.total_cmp(&b.radius));
+    for (sphere, (center, radius)) in set.spheres.iter().zip([(3.0 * Vec3::X, 0.5), (Vec3::ZERO, 1.0)]) {
+        assert!(sphere.center.distance(center) < 0.05 && (sphere.radius - radius).abs() < 0.05, "{sphere:?}");
+    }
+}
+
+#[test]
+fn competitors_leave_more_outside_and_the_octree_most() {
+    let torus = torus(1.0, 0.3);
+    let [variational, octree, medial] = Maker::ALL.map(|maker| set_by(maker, &torus, 16).outside_volume);
+    assert!(variational < medial && 4.0 * medial < octree, "{variational} {medial} {octree}");
 }
 
 #[test]
 fn threads_do_not_change_a_bit() {
     let mesh = torus(1.0, 0.3);
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| set_of(&mesh, 24))
-    };
-    assert_eq!(with(1), with(2));
+    for maker in Maker::ALL {
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| set_by(maker, &mesh, 24))
+        };
+        assert_eq!(with(1), with(2), "{maker:?}");
+    }
 }
 
 #[test]

@@ -23,7 +23,7 @@ impl Accumulator for OrderedProduct {
     const PARAMS: &'static [ParamSpec] = blocker_params!();
 
     fn new(params: &Params) -> Self {
-        OrderedProduct { batch: Batch::new(params.int(params::ORDER.name)) }
+        OrderedProduct { batch: Batch::new(params::accumulated_order(params)) }
     }
 
     fn state(&self) -> State {

@@ -68,7 +68,7 @@ impl Accumulator for TreeProduct {
     const PARAMS: &'static [ParamSpec] = blocker_params!();
 
     fn new(params: &Params) -> Self {
-        TreeProduct { batch: Batch::new(params.int(params::ORDER.name)) }
+        TreeProduct { batch: Batch::new(params::accumulated_order(params)) }
     }
 
     fn state(&self) -> State {

@@ -71,19 +71,38 @@ impl<T: Real> Pieces<T> {
     /// Calls `out` with the number and the values of each function at `x`, clamped to the domain.
     #[inline(always)]
     pub(crate) fn lookup<V: Lanes<Scalar = T>>(&self, x: V, mut out: impl FnMut(usize, V)) {
-        let x = x.max(V::constant(0.0)).min(V::splat(self.end));
-        let mut number = V::constant(0.0); // of the last piece that begins at or below x, by bisection
-        for step in [8.0, 4.0, 2.0, 1.0] {
-            let further = number.add(V::constant(step));
-            number = x.where_less(further.select_from(&self.starts), number, further);
-        }
-        let position = x.sub(number.select_from(&self.middles)).mul(number.select_from(&self.scales));
-        for (function, powers) in self.functions.iter().enumerate() {
-            let mut value = number.select_from(&powers[DEGREE]);
-            for power in powers[..DEGREE].iter().rev() {
-                value = value.mul_add(position, number.select_from(power));
+        self.lookup_each([x], |function, [value]| out(function, value));
+    }
+
+    /// [`Pieces::lookup`] at several places side by side, which do not wait for one another and share what is loaded.
+    #[inline(always)]
+    pub(crate) fn lookup_each<V: Lanes<Scalar = T>, const N: usize>(
+        &self,
+        x: [V; N],
+        mut out: impl FnMut(usize, [V; N]),
+    ) {
+        let zero = V::constant(0.0);
+        let (mut numbers, mut positions) = ([zero; N], x);
+        for (number, position) in numbers.iter_mut().zip(&mut positions) {
+            let x = position.max(zero).min(V::splat(self.end));
+            // The last piece that begins at or below x, by bisection.
+            for step in [8.0, 4.0, 2.0, 1.0] {
+                let further = number.add(V::constant(step));
+                *number = x.where_less(further.select_from(&self.starts), *number, further);
             }
-            out(function, value);
+            *position = x.sub(number.select_from(&self.middles)).mul(number.select_from(&self.scales));
+        }
+        for (function, powers) in self.functions.iter().enumerate() {
+            let mut values = numbers;
+            for value in &mut values {
+                *value = value.select_from(&powers[DEGREE]);
+            }
+            for power in powers[..DEGREE].iter().rev() {
+                for at in 0..N {
+                    values[at] = values[at].mul_add(positions[at], numbers[at].select_from(power));
+                }
+            }
+            out(function, values);
         }
     }
 }

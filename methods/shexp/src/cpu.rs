@@ -24,7 +24,7 @@ impl<E: Exponential> Accumulator for LogSum<E> {
     const PARAMS: &'static [ParamSpec] = E::PARAMS;
 
     fn new(params: &Params) -> Self {
-        LogSum { order: params.int(params::ORDER.name), exponential: E::new(params) }
+        LogSum { order: params::accumulated_order(params), exponential: E::new(params) }
     }
 
     fn state(&self) -> State {

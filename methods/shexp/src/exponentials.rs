@@ -89,7 +89,7 @@ impl Exponential for QuadratureExp {
     const PARAMS: &'static [ParamSpec] = blocker_params!(RINGS, params::CUT, params::RATIO, params::CLUSTER);
 
     fn new(params: &Params) -> Self {
-        QuadratureExp { directions: Directions::new(params.int(params::ORDER.name), params.int(RINGS.name)) }
+        QuadratureExp { directions: Directions::new(params::accumulated_order(params), params.int(RINGS.name)) }
     }
 
     fn exp(&self, _: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], _: &mut [sh::Work]) {

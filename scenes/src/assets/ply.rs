@@ -81,10 +81,14 @@ fn read_faces(
                     for _ in 0..values.length(count, place)? {
                         let vertex = values.next(item, place)?;
                         let known = vertex.fract() == 0.0 && vertex >= 0.0 && vertex < vertices as f64;
-                        check.ensure(known, &place(), &format!("vertex indices below {vertices}"), vertex)?;
+                        if !known {
+                            return Err(check.invalid(&place(), format!("vertex indices below {vertices}"), vertex));
+                        }
                         corners.push(vertex as u32);
                     }
-                    check.ensure(corners.len() >= 3, &place(), "at least three corners", corners.len())?;
+                    if corners.len() < 3 {
+                        return Err(check.invalid(&place(), "at least three corners", corners.len()));
+                    }
                     mesh.triangles.extend(fan(&corners));
                 }
                 kind => values.skip(kind, place)?,

@@ -34,8 +34,9 @@ impl Mended {
 /// The mesh with unit normals, checked, and what was mended.
 pub(super) fn mesh(check: Checker, raw: Mesh, drop_degenerate: bool) -> Result<(Mesh, Mended), SceneError> {
     let Mesh { positions, mut normals, uvs, triangles } = raw;
-    for (index, position) in positions.iter().enumerate() {
-        check.point(&format!("vertex {index}"), position.to_array())?;
+    let near = |position: &Vec3| position.to_array().iter().all(|v| v.abs() <= FAR);
+    if let Some(index) = positions.iter().position(|position| !near(position)) {
+        check.point(&format!("vertex {index}"), positions[index].to_array())?;
     }
     let found = triangles.len();
     let triangles = with_area(check, &positions, triangles, drop_degenerate)?;

@@ -35,14 +35,38 @@ impl<T: Real> Task<T> for Logs<'_, T> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = T>>(self) {
         let pieces = logs::<T>(self.order);
-        for (sines, out) in self.sines.iter().zip(self.out.chunks_exact_mut(self.order)) {
-            for part in 0..LANES / V::WIDTH {
-                let (sine, zero) = (V::load(&sines.0, part), V::constant(0.0));
-                pieces.lookup(height(sine), |band, value| {
-                    zero.where_less(sine, value, zero).store(&mut out[band].0, part);
-                });
-            }
+        let (pairs, last) = self.sines.as_chunks::<2>();
+        let (first, rest) = self.out.split_at_mut(2 * pairs.len() * self.order);
+        for (sines, out) in pairs.iter().zip(first.chunks_exact_mut(2 * self.order)) {
+            zonal_logs::<V, 2>(pieces, sines, out);
         }
+        if let [sines] = last {
+            zonal_logs::<V, 1>(pieces, &[*sines], rest);
+        }
+    }
+}
+
+/// The logs of `N` circles, one after the other.
+#[inline(always)]
+fn zonal_logs<V: Lanes, const N: usize>(
+    pieces: &Pieces<V::Scalar>,
+    sines: &[Block<V::Scalar>; N],
+    out: &mut [Block<V::Scalar>],
+) {
+    let (zero, order) = (V::constant(0.0), out.len() / N);
+    for part in 0..LANES / V::WIDTH {
+        let mut loaded = [zero; N];
+        let mut heights = loaded;
+        for circle in 0..N {
+            loaded[circle] = V::load(&sines[circle].0, part);
+            heights[circle] = height(loaded[circle]);
+        }
+        pieces.lookup_each(heights, |band, values| {
+            for circle in 0..N {
+                let value = zero.where_less(loaded[circle], values[circle], zero);
+                value.store(&mut out[circle * order + band].0, part);
+            }
+        });
     }
 }
 

@@ -33,8 +33,7 @@ impl<'a> Values<'a> {
     pub(super) fn length(&mut self, scalar: Scalar, place: impl Fn() -> String) -> Result<u32, SceneError> {
         let length = self.next(scalar, &place)?;
         let whole = length.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&length);
-        self.check.ensure(whole, &place(), "a list length", length)?;
-        Ok(length as u32)
+        if whole { Ok(length as u32) } else { Err(self.check.invalid(&place(), "a list length", length)) }
     }
 
     pub(super) fn skip(&mut self, kind: Kind, place: impl Fn() -> String) -> Result<(), SceneError> {
