@@ -156,36 +156,38 @@ impl Forest {
                 false => (self.extent[node] / opening).powi(2),
             };
             let to = points.to(self.position[node]);
-            let (mut open, mut counts) = (false, [false; LANES]);
+            let (mut open, mut any, mut counts) = (0, 0, [0; LANES]);
             for lane in 0..LANES {
-                let (waits, near) = (resume[lane] > node as u32, to.square[lane] <= nearest);
-                counts[lane] = !waits && !near;
-                open |= !waits && near;
+                let here = mask(resume[lane] <= node as u32);
+                let near = mask(to.square[lane] <= nearest);
+                counts[lane] = here & !near;
+                open |= here & near;
+                any |= counts[lane];
             }
-            if counts.contains(&true) {
+            if any != 0 {
                 self.add(node, points, &to, &counts, &mut sum);
                 for lane in 0..LANES {
-                    terms[lane] += u32::from(counts[lane]);
-                    resume[lane] = if counts[lane] { next } else { resume[lane] };
+                    terms[lane] += counts[lane] & 1;
+                    resume[lane] = (next & counts[lane]) | (resume[lane] & !counts[lane]);
                 }
             }
-            node = if open { node + 1 } else { next as usize };
+            node = if open != 0 { node + 1 } else { next as usize };
         }
         (sum, terms)
     }
 
     /// Adds a node's shadow where it counts.
-    fn add(&self, node: usize, points: &Points, to: &Directions, counts: &[bool; LANES], sum: &mut Lanes) {
+    fn add(&self, node: usize, points: &Points, to: &Directions, counts: &[u32; LANES], sum: &mut Lanes) {
         let (area, casting, [x, y, z]) = (self.area[node], self.casting[node], &to.vector);
         let (mut back, mut front) = ([0.0; LANES], [0.0; LANES]);
-        let mut any = false;
+        let mut any = 0;
         for lane in 0..LANES {
             let [nx, ny, nz] = points.normal.map(|axis| axis[lane]);
             back[lane] = casting.x * x[lane] + casting.y * y[lane] + casting.z * z[lane];
             front[lane] = 4.0 * (nx * x[lane] + ny * y[lane] + nz * z[lane]);
-            any |= counts[lane] && back[lane] > 0.0 && front[lane] > 0.0;
+            any |= counts[lane] & mask(back[lane] > 0.0) & mask(front[lane] > 0.0);
         }
-        if !any {
+        if any == 0 {
             return;
         }
         // Within its own radius an element shadows nothing: such a point lies on it.
@@ -198,7 +200,7 @@ impl Forest {
             let cover = area / (rim * (rim + distance));
             let near = 1.0 / distance;
             let shadow = cover * (near * back[lane]).clamp(0.0, 1.0) * (near * front[lane]).clamp(0.0, 1.0);
-            sum[lane] += if counts[lane] && square >= radius { shadow } else { 0.0 };
+            sum[lane] += f32::from_bits(shadow.to_bits() & counts[lane] & mask(square >= radius));
         }
     }
 
@@ -216,6 +218,11 @@ impl Forest {
             + [area, extent].map(|numbers| size_of_val(&numbers[..])).iter().sum::<usize>()
             + [position, normal, casting].map(|vectors| size_of_val(&vectors[..])).iter().sum::<usize>()
     }
+}
+
+/// All bits or none: lanes take part by masks, which compilers turn into vector code.
+fn mask(holds: bool) -> u32 {
+    if holds { u32::MAX } else { 0 }
 }
 
 /// What remains of the hemisphere under a sum of shadows, 0 to 1.

@@ -47,7 +47,7 @@ const ELEMENTS: ParamSpec = ParamSpec {
 
 const PASSES: ParamSpec = ParamSpec {
     name: "passes",
-    kind: Kind::Int { min: 1, max: 4, default: 2 },
+    kind: Kind::Int { min: 1, max: 2, default: 2 },
     phase: Phase::Update,
     help: "passes, the receivers' own counted; each takes back shadows that elements in shadow cast in the one before",
 };

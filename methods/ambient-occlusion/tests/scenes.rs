@@ -15,11 +15,15 @@ fn scene(objects: &str, lights: &str) -> Scene {
 }
 
 fn radiance(scene: &Scene, settings: &[(&str, &str)]) -> Rgb {
+    radiance_at(scene, 0, settings)
+}
+
+fn radiance_at(scene: &Scene, frame: usize, settings: &[(&str, &str)]) -> Rgb {
     let params = Params::resolve(Elements.info().params, settings.iter().copied()).expect("in range");
     let cache = Cache::in_memory();
     let job = Job::new(scene, &params, 0, Backend::Cpu, &cache);
     let mut prepared = Elements.prepare(&job, &mut NoMeter).expect("prepared");
-    let frame = scene.frame(0);
+    let frame = scene.frame(frame);
     prepared.update(&frame, &mut NoMeter).expect("updated");
     prepared.evaluate(&frame, Quantity::Direct, &mut NoMeter).expect("evaluated");
     let mut out = [Rgb::ZERO];
@@ -45,6 +49,27 @@ fn a_ball_overhead_leaves_the_cosine_of_its_angular_radius() {
             assert!((red - left).abs() < 0.015, "radius {radius}: {red} for {left}");
             assert!((green - red).abs() < 1e-5 && (blue - red).abs() < 1e-5, "all colours alike: {found}");
         }
+    }
+}
+
+/// Elements of a ball inside another are in the dark: they cast in the first pass alone.
+#[test]
+fn a_second_pass_takes_back_what_cast_from_the_dark() {
+    let inner = ball(0.5).replace("'ball'", "'inner'");
+    let [alone, both] = [ball(1.0), ball(1.0) + "\n" + &inner].map(|objects| scene(&objects, SKY));
+    let [first, second] = ["1", "2"].map(|passes| radiance(&both, &[("passes", passes)]).x);
+    let alone = radiance(&alone, &[]).x;
+    assert!(first < alone - 0.02 && (second - alone).abs() < 0.01, "{first}, {second}, alone {alone}");
+}
+
+#[test]
+fn elements_go_where_their_object_goes() {
+    let moving = ball(1.0) + "\nmotion = [{ time = 0, translate = [0, 0, 0] }, { time = 1, translate = [0, 0, 2] }]";
+    let scene = scene(&moving, &format!("{SKY}\n[frames]\ncount = 2\nfps = 1"));
+    for (frame, distance) in [(0, 2.0f32), (1, 4.0)] {
+        let left = (1.0 - distance.powi(-2)).sqrt();
+        let found = radiance_at(&scene, frame, &[]).x;
+        assert!((found - left).abs() < 0.01, "frame {frame}: {found} for {left}");
     }
 }
 

@@ -3,7 +3,8 @@
 //! [`sphere_set`] follows Ren et al. 2006, §6.2: points on the surface and in the interior are grouped by flood-fill
 //! Lloyd clustering, each group is bounded by one sphere, and what is minimised is the *outside volume* `Σ V(Sᵢ − T)`
 //! (35), the volume of the spheres outside the object; volume in the interior is free, however many spheres share it.
-//! Where the paper sums signed volumes over the triangles, this crate measures the interior on a voxel grid.
+//! Where the paper sums signed volumes over the triangles, this crate measures the interior on a voxel grid. [`Maker`]
+//! names two other ways to make sets, for comparison (`docs/spheres.md`).
 //!
 //! [`seen`] tells which circle of directions a sphere blocks at a receiver, by the self-shadow rules ([`SelfShadow`]).
 //!
