@@ -13,6 +13,7 @@
 //! | forecast | `todo.rs`, `forecast.rs` | what is left of a plan and a store → how long it may take |
 //! | table | `table.rs` | a store → rows of a CSV or Parquet file |
 //! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
+//! | ledger | `ledger/` | a paper's claims → figures in a store → a page of verdicts |
 //! | gate | `gate/` | what a store holds, against baselines |
 //!
 //! A cell is scene × method × parameters × backend × quantity × frame. Its key holds what decides its result and, since
@@ -44,6 +45,7 @@ mod export;
 mod forecast;
 pub mod gate;
 mod judge;
+pub mod ledger;
 mod plan;
 mod priority;
 mod probe;

@@ -109,7 +109,11 @@ impl Table {
                 }
                 Record::Skip(skip) => row.absent("skip", &skip.reason),
                 Record::Failure(failure) => row.absent("failure", &failure.error),
-                Record::Times(_) | Record::Score(_) | Record::Reference(_) | Record::CrossCheck(_) => {}
+                Record::Times(_)
+                | Record::Score(_)
+                | Record::Reference(_)
+                | Record::CrossCheck(_)
+                | Record::Measured(_) => {}
             }
             let scores = newest(store.scores(&cell.key()));
             rows.extend(scores.iter().map(|score| row.scored(score)));

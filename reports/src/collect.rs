@@ -37,7 +37,11 @@ fn assemble(store: &Store, title: &str, pictures: bool) -> Report {
                 let absent = collector.absent(&failure.cell, &failure.error);
                 collector.report.failures.push(absent);
             }
-            Record::Times(_) | Record::Score(_) | Record::Reference(_) | Record::CrossCheck(_) => {}
+            Record::Times(_)
+            | Record::Score(_)
+            | Record::Reference(_)
+            | Record::CrossCheck(_)
+            | Record::Measured(_) => {}
         }
     }
     for record in store.cross_checks() {

@@ -1,5 +1,5 @@
 //! The furnace: in a uniform environment of radiance 1 an open receiver of albedo 1 sends out 1, a wholly covered one
-//! 0.
+//! 0, or what its method is known to let pass.
 
 use std::sync::Arc;
 
@@ -76,6 +76,13 @@ const SINE_ROUNDING: f32 = 2.5e-4;
 /// What an exponential at the default squaring rule may differ from the eigen-exponential, as radiance.
 const SERIES: f32 = 0.01;
 
+/// What ambient occlusion leaves of a hemisphere that is hidden all over: the shadow of finely cut surfaces is the mean over it of
+/// `min(1, 4 cos θ)`, `∫₀¹ min(1, 4u) du = 7/8` (Bunnell 2005 widens the cosine, but not to a step).
+const CLOSED_ROOM: f32 = 0.125;
+
+/// How far the elements of one sphere, 128 at most, are from finely cut.
+const ELEMENTS: f32 = 0.03;
+
 /// The log of a covered hemisphere is clipped, so SHEXP does not give the hemisphere back: what passes by the
 /// variant's exponential along the axis, guarded, in double precision. At order 4 the visibility errs by 0.0182 of its norm (a figure
 /// that the SH crate's own tests hold), of which this is what the clamped cosine sees.
@@ -117,12 +124,13 @@ fn passed(id: &str, order: i64) -> (f32, f32) {
         ),
         "shexp/quadrature" => (reproduced(order as usize, |_, f, out| exp_exact(f.len().isqrt(), f, out)), SERIES),
         "shexp/ps-star" | "shexp/hyb" => (reproduced(order as usize, eigen), SERIES),
+        "ambient-occlusion/elements" => (CLOSED_ROOM, ELEMENTS),
         _ => (0.0, SINE_ROUNDING),
     }
 }
 
 #[test]
-fn a_covered_hemisphere_gives_zero_but_for_what_the_log_does_not_give_back() {
+fn a_covered_hemisphere_gives_zero_but_for_what_a_method_is_known_to_pass() {
     let normals: Vec<Vec3> = normals().step_by(10).chain(AXES).collect();
     for method in halflight_registry::methods() {
         let id = method.info().id;

@@ -66,6 +66,11 @@ impl Store {
         for check in from.cross_checks() {
             self.merge_cross_check(from, check, &mut merged)?;
         }
+        for figure in from.all_measured() {
+            if !self.all_measured().any(|ours| ours == figure) {
+                self.append(Record::Measured(Box::new(figure.clone())))?;
+            }
+        }
         Ok(merged)
     }
 
@@ -125,7 +130,12 @@ impl Store {
             Record::Run(run) if run.image.as_ref().is_none_or(|image| self.has_image(image)) => 3,
             Record::Run(_) => 2,
             Record::Failure(_) => 1,
-            Record::Skip(_) | Record::Times(_) | Record::Score(_) | Record::Reference(_) | Record::CrossCheck(_) => 0,
+            Record::Skip(_)
+            | Record::Times(_)
+            | Record::Score(_)
+            | Record::Reference(_)
+            | Record::CrossCheck(_)
+            | Record::Measured(_) => 0,
         }
     }
 }

@@ -31,16 +31,22 @@ pub enum Record {
     Reference(ReferenceMade),
     /// What another program says to the truth.
     CrossCheck(Box<CrossCheck>),
+    /// A figure of a claim that is held against a paper's.
+    Measured(Box<Measured>),
 }
 
 impl Record {
-    /// The cell that a run, skip or failure is about; none for what is said about a run later, a reference or a cross-check.
+    /// The cell that a run, skip or failure is about; none for what is said about a run later, a reference, a cross-check or a claim.
     pub fn cell(&self) -> Option<&Cell> {
         match self {
             Record::Run(run) => Some(&run.cell),
             Record::Skip(skip) => Some(&skip.cell),
             Record::Failure(failure) => Some(&failure.cell),
-            Record::Times(_) | Record::Score(_) | Record::Reference(_) | Record::CrossCheck(_) => None,
+            Record::Times(_)
+            | Record::Score(_)
+            | Record::Reference(_)
+            | Record::CrossCheck(_)
+            | Record::Measured(_) => None,
         }
     }
 }
@@ -327,4 +333,29 @@ impl CrossCheck {
         let kind = |check: &CrossCheck| (check.quantity.clone(), check.program.clone());
         place(self) == place(other) && kind(self) == kind(other)
     }
+}
+
+/// A figure that was measured to hold a paper's claim against it; those of a claim that were taken together bear the same `taken`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// The claim's id, such as `S1`.
+    pub row: String,
+    /// What was measured, in words that are the same whenever it is measured.
+    pub quantity: String,
+    /// Its unit; empty for numbers and ratios.
+    pub unit: String,
+    /// The figure.
+    pub value: f64,
+    /// Ends of the 95% interval; none for what is counted or computed and has no spread.
+    pub interval: Option<[f64; 2]>,
+    /// Rounds, receivers or cases that the figure comes from.
+    pub samples: u64,
+    /// The command that measures it.
+    pub command: String,
+    /// Hash of the sources of the methods that it is about.
+    pub revision: String,
+    /// Seconds since 1970-01-01 UTC when the claim's measurement ended.
+    pub taken: u64,
+    /// Where it was measured.
+    pub environment: Environment,
 }

@@ -3,8 +3,8 @@
 use crate::exr::read_bytes;
 use crate::lines::{self, Appender};
 use crate::{
-    Cell, Claim, CrossCheck, Key, Picture, PictureError, Record, ReferenceMade, ReferencePicture, Run, SCHEMA, Score,
-    Times,
+    Cell, Claim, CrossCheck, Key, Measured, Picture, PictureError, Record, ReferenceMade, ReferencePicture, Run,
+    SCHEMA, Score, Times,
 };
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -252,6 +252,21 @@ impl Store {
             }
         }
         latest
+    }
+
+    /// The figures of a claim that were taken last, in the order of their lines.
+    pub fn measured(&self, row: &str) -> Vec<&Measured> {
+        let figures = self.all_measured().filter(|figure| figure.row == row);
+        let latest = figures.clone().map(|figure| figure.taken).max();
+        figures.filter(|figure| Some(figure.taken) == latest).collect()
+    }
+
+    /// The figures of all claims, in the order of their lines.
+    pub(crate) fn all_measured(&self) -> impl Iterator<Item = &Measured> + Clone {
+        self.records.iter().filter_map(|record| match record {
+            Record::Measured(figure) => Some(&**figure),
+            _ => None,
+        })
     }
 
     /// Where an image lies, or would lie.

@@ -17,9 +17,9 @@ use halflight_scenes::{Frame, Rgb};
 use std::path::Path;
 
 /// A picture and its variance.
-struct Seen {
-    picture: Picture,
-    variance: Vec<Rgb>,
+pub(crate) struct Seen {
+    pub(crate) picture: Picture,
+    pub(crate) variance: Vec<Rgb>,
 }
 
 /// Walks from the truth to a method on a scene. References are taken from the cache's store, or made and kept there.
@@ -39,13 +39,7 @@ pub fn budget(
     if let Support::Skip(why) = method.supports(&scene.facts(), &Request { quantity, backend: Backend::Cpu, params }) {
         return Err(Error::Other(format!("{id} does not serve {quantity} of {}: {why}", scene.name)));
     }
-    let asked = Asked {
-        question,
-        frame: scene.frame(question.frame),
-        quality,
-        store: ReferenceStore::open(cache.join("references"))?,
-        cache: Cache::in_folder(&cache.join("derived")),
-    };
+    let asked = Asked::new(question, quality, cache)?;
     let walk = walk(scene, quantity, method, params);
     let mut progress = Progress::new(walk.steps.len());
     let mut seen: Vec<Seen> = Vec::new();
@@ -73,16 +67,26 @@ pub fn budget(
 }
 
 /// What all steps have in common.
-struct Asked<'a> {
+pub(crate) struct Asked<'a> {
     question: &'a Question<'a>,
-    frame: Frame,
+    pub(crate) frame: Frame,
     quality: &'a Quality,
     store: ReferenceStore,
     cache: Cache,
 }
 
-impl Asked<'_> {
-    fn see(&self, what: &What, steps: &mut crate::recorder::Steps<'_>) -> Result<Seen, Error> {
+impl<'a> Asked<'a> {
+    pub(crate) fn new(question: &'a Question<'a>, quality: &'a Quality, cache: &Path) -> Result<Self, Error> {
+        Ok(Asked {
+            question,
+            frame: question.scene.frame(question.frame),
+            quality,
+            store: ReferenceStore::open(cache.join("references"))?,
+            cache: Cache::in_folder(&cache.join("derived")),
+        })
+    }
+
+    pub(crate) fn see(&self, what: &What, steps: &mut crate::recorder::Steps<'_>) -> Result<Seen, Error> {
         let Question { scene, quantity, seed, .. } = *self.question;
         let (radiance, variance) = match what {
             What::Reference(reference) => {
@@ -101,13 +105,17 @@ impl Asked<'_> {
                 (radiance, variance)
             }
         };
+        Ok(Seen { picture: self.picture(radiance), variance })
+    }
+
+    /// The picture that the frame's receivers make with these values.
+    pub(crate) fn picture(&self, radiance: Vec<Rgb>) -> Picture {
         let receivers = &self.frame.receivers;
-        let picture = Picture { layout: score::layout(receivers), radiance, valid: receivers.valid.clone() };
-        Ok(Seen { picture, variance })
+        Picture { layout: score::layout(receivers), radiance, valid: receivers.valid.clone() }
     }
 }
 
-fn apart(this: &Seen, other: &Seen) -> Result<Difference, Error> {
+pub(crate) fn apart(this: &Seen, other: &Seen) -> Result<Difference, Error> {
     difference(&score::view(&this.picture), &this.variance, &score::view(&other.picture), &other.variance)
         .map_err(|error| Error::Other(error.to_string()))
 }

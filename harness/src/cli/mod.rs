@@ -10,6 +10,7 @@ mod doctor;
 mod export;
 mod gate;
 mod import;
+mod ledger;
 mod list;
 mod merge;
 mod pareto;
@@ -86,6 +87,8 @@ enum Command {
     Crosscheck(crosscheck::Check),
     /// Measure how accurate an algebra is, and hold it against what is stated of it
     Accuracy(accuracy::Accuracy),
+    /// Hold a paper's claims against what was measured of them: write the ledger from stored figures, or take them
+    Ledger(ledger::Ledger),
     /// List what there is
     List(list::List),
     /// Show the machine, the build and the folders, and verify the shipped scenes
@@ -258,6 +261,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Export(export)) => export.act(),
         Some(Command::Crosscheck(check)) => check.act(),
         Some(Command::Accuracy(accuracy)) => accuracy.act(),
+        Some(Command::Ledger(ledger)) => ledger.act(),
         Some(Command::List(list)) => list.act(),
         Some(Command::Doctor(doctor)) => doctor.act(),
     }

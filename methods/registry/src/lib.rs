@@ -13,6 +13,7 @@ pub fn methods() -> Vec<&'static dyn Method> {
         &halflight_shexp::Hyb,
         &halflight_shexp::Eigen,
         &halflight_shexp::Quadrature,
+        &halflight_ambient_occlusion::Elements,
     ]
 }
 

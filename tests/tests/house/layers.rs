@@ -39,8 +39,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "harness",
         &[
             "harness/results",
+            "methods/blockers",
             "methods/contract",
+            "methods/light",
+            "methods/proxies",
             "methods/registry",
+            "methods/sh",
             "methods/sh/accuracy",
             "references",
             "reports",

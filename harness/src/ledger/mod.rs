@@ -1,0 +1,55 @@
+//! The reproduction ledger: a paper's claims, each with its figure, ours, and a verdict.
+//!
+//! A [`Row`] is one claim: what the paper says and prints (data), how it is measured ([`Row::measure`]), and the rule that makes
+//! figures a verdict ([`Row::judge`]). What was measured is in a store, as [`Measured`](halflight_results::Measured) lines;
+//! [`page`] renders it, and measures nothing. Figures of a row count together only if they were taken together.
+
+mod bench;
+mod ground;
+mod page;
+mod plain;
+mod row;
+mod rows;
+
+use crate::{Error, environment};
+use bench::Bench;
+use halflight_results::{Key, Measured, Record, Store};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+pub use bench::Terms;
+pub use page::page;
+pub use row::Row;
+pub use rows::{ROWS, chosen};
+
+/// Measures a row and appends its figures to a store; returns how many there are.
+///
+/// # Errors
+/// What the row needs is not there, a method fails, or the store cannot be written.
+pub fn measure(row: &Row, terms: &Terms, store: &mut Store) -> Result<usize, Error> {
+    let figures = (row.measure)(&Bench::new(terms))?;
+    let taken = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
+    let (revision, environment) = (revision(), environment());
+    let count = figures.len();
+    for figure in figures {
+        store.append(Record::Measured(Box::new(Measured {
+            row: row.id.to_owned(),
+            quantity: figure.quantity,
+            unit: figure.unit.to_owned(),
+            value: figure.value,
+            interval: figure.interval,
+            samples: figure.samples,
+            command: row.command(),
+            revision: revision.clone(),
+            taken,
+            environment: environment.clone(),
+        })))?;
+    }
+    Ok(count)
+}
+
+/// One hash for the sources of all families.
+fn revision() -> String {
+    let families: Vec<&str> = halflight_registry::methods().iter().map(|method| method.info().family()).collect();
+    let revisions: String = families.iter().filter_map(|family| halflight_registry::revision(family)).collect();
+    Key::of_bytes(revisions.as_bytes()).short().to_string()
+}

@@ -1,0 +1,164 @@
+//! S7: sizes and signs of the sources of error.
+
+use super::super::bench::{Bench, Figure, Setting, silent};
+use super::super::ground::light;
+use super::super::row::{Figures, Judgement, Row, Verdict, number};
+use crate::Error;
+use crate::budget::chain::walk;
+use crate::budget::{Asked, Seen, apart};
+use crate::execute::Runner;
+use crate::probe::Question;
+use halflight_contract::Quantity;
+use halflight_metrics::Difference;
+use halflight_scenes::{Frame, Rgb, Scene};
+use halflight_sh::{coefficients, gamma, irradiance_weights};
+
+/// SH order of the light and of shading, and the higher one at which blockers are summed.
+const ORDER: usize = 4;
+const HIGHER: usize = 6;
+
+const SCENES: [(&str, &str); 2] = [("bunny-studio@0.5", "bunny"), ("dino-elephant-courtyard@0.5", "dino and elephant")];
+const SPHERES: &str = "spheres for meshes";
+const TRUNCATION: &str = "truncation after each product";
+const LOG: &str = "log space";
+
+pub(crate) const S7: Row = Row {
+    id: "S7",
+    place: "Fig. 7 and §9",
+    claim: "Truncation after each SH product errs most and darkens, sphere sets err less and enlarge shadows, log space errs least; \
+            summing at order 6 and truncating to 4 is more accurate than order 4",
+    paper: &[],
+    needs: "",
+    measure,
+    judge,
+};
+
+fn rmse(model: &str, what: &str) -> String {
+    format!("{model}: RMSE, {what}")
+}
+
+fn bias(model: &str, what: &str) -> String {
+    format!("{model}: bias, {what}")
+}
+
+fn measure(bench: &Bench) -> Result<Vec<Figure>, Error> {
+    let figures = SCENES.iter().map(|(scene, model)| scene_figures(bench, scene, model));
+    Ok(figures.collect::<Result<Vec<_>, _>>()?.concat())
+}
+
+fn scene_figures(bench: &Bench, name: &str, model: &str) -> Result<Vec<Figure>, Error> {
+    let scene = halflight_scenes::find(name)?;
+    let question = Question { scene: &scene, frame: 0, quantity: Quantity::Direct, seed: 1 };
+    let asked = Asked::new(&question, &bench.terms.quality, &bench.terms.cache)?;
+    let setting = Setting::new("shexp/ps-star", &[("p", "2")])?;
+    let steps = walk(&scene, Quantity::Direct, setting.method, &setting.params).steps;
+    let see = |name: &str| {
+        let step = steps.iter().find(|step| step.name.starts_with(name));
+        asked.see(&step.expect("a step of the walk").what, &mut silent)
+    };
+    // (a) to (e) of Fig. 7, all under light of order 4.
+    let (traced, spheres) = (see("+ sh-light")?, see("+ sphere-proxies")?);
+    let (product, exp) = (see("sh-product/ordered")?, see("shexp/ps-star")?);
+    let higher = truncated(bench, &asked, &scene)?;
+    let mut figures = Vec::new();
+    for (what, this, before) in [(SPHERES, &spheres, &traced), (TRUNCATION, &product, &spheres), (LOG, &exp, &product)]
+    {
+        let Difference { rmse: r, rmse_error, bias: b, bias_error, receivers, .. } = apart(this, before)?;
+        figures.push(Figure::estimate(rmse(model, what), r, rmse_error, receivers));
+        figures.push(Figure::estimate(bias(model, what), b, bias_error, receivers));
+    }
+    for (what, this) in [("order 4 in all", &exp), ("order 6 truncated to 4 in all", &higher)] {
+        let found = apart(this, &traced)?;
+        figures.push(Figure::estimate(rmse(model, what), found.rmse, found.rmse_error, found.receivers));
+    }
+    Ok(figures)
+}
+
+/// PS*-2 of logs summed at the higher order, truncated to the lower one before shading.
+fn truncated(bench: &Bench, asked: &Asked<'_>, scene: &Scene) -> Result<Seen, Error> {
+    let setting = Setting::new("shexp/ps-star", &[("p", "2"), ("order", &HIGHER.to_string())])?;
+    let mut runner = Runner::new(bench.task(scene, setting.method, &setting.params));
+    runner.picture(&asked.frame, &mut silent).map_err(Error::Other)?;
+    let visibility = runner.visibility(&asked.frame, ORDER as u8, &mut silent).map_err(Error::Other)?;
+    let radiance = shade(&asked.frame, &light(bench, scene, ORDER)?, &visibility);
+    let variance = vec![Rgb::ZERO; radiance.len()];
+    Ok(Seen { picture: asked.picture(radiance), variance })
+}
+
+/// What receivers reflect under light of the lower order, `(L, H(N) * g)`.
+fn shade(frame: &Frame, light: &[Vec<f32>; 3], visibility: &[f32]) -> Vec<Rgb> {
+    let receivers = &frame.receivers;
+    let (mut weights, mut transfer) = (vec![0.0; coefficients(ORDER)], vec![0.0; coefficients(ORDER)]);
+    let shade = |(receiver, g): (usize, &[f32])| {
+        if !receivers.valid[receiver] {
+            return Rgb::ZERO;
+        }
+        irradiance_weights(ORDER, receivers.normal[receiver].to_array(), &mut weights);
+        gamma(ORDER).product(&weights, g, &mut transfer);
+        let channel = |l: &Vec<f32>| l.iter().zip(&transfer).map(|(l, t)| l * t).sum::<f32>();
+        Rgb::from_array(light.each_ref().map(channel)) * receivers.albedo[receiver]
+    };
+    visibility.chunks_exact(coefficients(ORDER)).enumerate().map(shade).collect()
+}
+
+fn judge(figures: &Figures<'_>) -> Option<Judgement> {
+    let (mut order, mut signs, mut higher, mut told) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (_, model) in SCENES {
+        let [spheres, truncation, log] =
+            figures.values([SPHERES, TRUNCATION, LOG].map(|w| rmse(model, w)).each_ref().map(String::as_str))?;
+        let [of_spheres, of_truncation] =
+            figures.values([SPHERES, TRUNCATION].map(|w| bias(model, w)).each_ref().map(String::as_str))?;
+        let [four, six] = [
+            figures.value(&rmse(model, "order 4 in all"))?,
+            figures.value(&rmse(model, "order 6 truncated to 4 in all"))?,
+        ];
+        order.push(truncation > spheres && spheres > log);
+        signs.push(of_truncation < 0.0 && of_spheres < 0.0);
+        higher.push(six < four);
+        told.push(format!(
+            "{model}: truncation {} (bias {}), spheres {} (bias {}), log space {}; in all {} at order 4, {} at 6 truncated to 4",
+            number(truncation),
+            number(of_truncation),
+            number(spheres),
+            number(of_spheres),
+            number(log),
+            number(four),
+            number(six)
+        ));
+    }
+    let all = |parts: &[bool]| parts.iter().all(|holds| *holds);
+    let parts = [all(&order), all(&signs), all(&higher)];
+    let holds = |part: bool, text: &str| format!("{text} {}", if part { "holds" } else { "does not hold everywhere" });
+    let why = format!(
+        "{}, {}, {}. RMSE of {}.",
+        holds(parts[0], "The order of sizes"),
+        holds(parts[1], "that both darken"),
+        holds(parts[2], "that order 6 truncated to 4 is better"),
+        told.join("; ")
+    );
+    Some(Judgement { verdict: Verdict::of(&parts), why })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::bench::Terms;
+    use super::*;
+
+    /// Shading here is the method's: order 4 without truncation gives its picture.
+    #[test]
+    fn visibility_is_shaded_as_methods_do() {
+        let dir = tempfile::tempdir().unwrap();
+        let terms = Terms { cache: dir.path().into(), quality: Default::default(), rounds: 1 };
+        let bench = Bench::new(&terms);
+        let scene = halflight_scenes::find("spheres-60@0.1").unwrap();
+        let frame = scene.frame(0);
+        let setting = Setting::new("shexp/ps-star", &[("p", "2")]).unwrap();
+        let mut runner = Runner::new(bench.task(&scene, setting.method, &setting.params));
+        let shaded = runner.picture(&frame, &mut silent).unwrap().radiance;
+        let visibility = runner.visibility(&frame, ORDER as u8, &mut silent).unwrap();
+        let ours = shade(&frame, &light(&bench, &scene, ORDER).unwrap(), &visibility);
+        for (ours, theirs) in ours.iter().zip(&shaded) {
+            assert!((*ours - *theirs).abs().max_element() < 1e-4 * theirs.max_element().abs().max(1.0));
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! The rows, in the paper's order.
+
+mod ambient;
+mod cost;
+mod counts;
+mod cuts;
+mod errors;
+mod linear;
+mod proxies;
+mod series;
+mod speed;
+
+use super::row::Row;
+use crate::Error;
+
+/// All rows.
+pub const ROWS: &[Row] = &[
+    counts::S1,
+    cost::S2,
+    speed::S3,
+    speed::S4,
+    linear::S5,
+    proxies::S6,
+    errors::S7,
+    series::S8,
+    cuts::S9,
+    cuts::S10,
+    ambient::S11,
+];
+
+/// The rows of these ids, all if there are none.
+///
+/// # Errors
+/// There is no such row.
+pub fn chosen(ids: &[String]) -> Result<Vec<&'static Row>, Error> {
+    if ids.is_empty() {
+        return Ok(ROWS.iter().collect());
+    }
+    let known = || ROWS.iter().map(|row| row.id);
+    let find = |id: &String| ROWS.iter().find(|row| row.id == id).ok_or_else(|| Error::unknown("row", id, known()));
+    ids.iter().map(find).collect()
+}
