@@ -70,3 +70,68 @@ fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halflight_results::Record;
+    use std::path::Path;
+
+    fn reports() -> std::path::PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../reports")
+    }
+
+    /// A copy of the shipped figures, each changed by the function.
+    fn changed(change: impl Fn(&mut Measured)) -> String {
+        let dir = tempfile::tempdir().unwrap();
+        let shipped = Store::open(reports().join("ledger")).unwrap();
+        let mut store = Store::open(dir.path()).unwrap();
+        for figure in ROWS.iter().flat_map(|row| shipped.measured(row.id)) {
+            let mut figure = figure.clone();
+            change(&mut figure);
+            store.append(Record::Measured(Box::new(figure))).unwrap();
+        }
+        page(&store)
+    }
+
+    #[test]
+    fn the_shipped_page_is_what_the_shipped_figures_say() {
+        let shipped = std::fs::read_to_string(reports().join("ledger.md")).unwrap();
+        assert!(changed(|_| {}) == shipped, "reports/ledger.md: `halflight ledger` writes it");
+    }
+
+    #[test]
+    fn another_figure_is_another_page() {
+        let page = changed(|figure| {
+            if figure.quantity == "entries that selection rules allow, order 4" {
+                figure.value = 369.0;
+            }
+        });
+        assert!(page.contains("| entries that selection rules allow, order 4 | 369 | 369 | – | 4096 |"), "{page}");
+        assert!(page.contains("## S1: confirmed"), "{page}");
+        assert_ne!(page, changed(|_| {}));
+    }
+
+    #[test]
+    fn figures_of_two_measurements_are_not_mixed() {
+        let page = changed(|figure| {
+            if figure.row == "S1" && figure.quantity.ends_with("order 8") {
+                figure.taken += 1;
+            }
+        });
+        assert!(page.contains("## S1: not measured"), "the later figures are not all");
+    }
+
+    /// A paper's figure stands beside a quantity of ours, not beside a name that nothing has.
+    #[test]
+    fn printed_figures_are_of_quantities_that_are_measured() {
+        let shipped = Store::open(reports().join("ledger")).unwrap();
+        for row in ROWS {
+            let figures = shipped.measured(row.id);
+            for (quantity, _) in row.paper.iter().filter(|_| !figures.is_empty()) {
+                assert!(figures.iter().any(|figure| figure.quantity == *quantity), "{}: {quantity}", row.id);
+            }
+            assert_eq!(judgement(row, &figures).verdict == Verdict::NotMeasured, figures.is_empty(), "{}", row.id);
+        }
+    }
+}

@@ -1,9 +1,9 @@
-//! One vertex at a time in plain scalar code, as the paper's CPU implementation has it: products of visibilities, or sums of
-//! their logs ended by an exponential. The denominator of speed-ups.
+//! Accumulation and exponential one vertex at a time in plain scalar code, as the paper's CPU implementation has them: products of
+//! visibilities, or sums of their logs ended by an exponential. The denominator of speed-ups.
 
 use super::ground::Ground;
-use halflight_proxies::Circle;
-use halflight_sh::{CircleTable, coefficients, rotate_zonal};
+use halflight_blockers::{Blockers, Gather, SelfShadow, Tally};
+use halflight_sh::{Batch, Block, LANES, coefficients, unpack};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
@@ -43,51 +43,91 @@ pub(crate) fn product(order: usize, a: &[f32], b: &[f32], out: &mut [f32]) {
 pub(crate) fn render(ground: &Ground, order: usize, transfer: &[f32], how: How) -> Vec<f32> {
     let mut out = vec![0.0; ground.frame.receivers.len()];
     out.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
-        let mut vertex = Vertex::new(order);
-        for (i, out) in out.iter_mut().enumerate() {
-            vertex.see(ground, chunk * CHUNK + i, how);
-            *out = vertex.visibility.iter().zip(transfer).map(|(g, t)| g * t).sum();
+        let mut seen = Seen::new(order);
+        let mut vertices: [Vertex; LANES] = std::array::from_fn(|_| Vertex::new(order));
+        for (out, first) in out.chunks_mut(LANES).zip((chunk * CHUNK..).step_by(LANES)) {
+            let numbers: Vec<usize> = (first..first + out.len()).collect();
+            seen.shade(ground, &numbers, how, &mut vertices);
+            for (out, vertex) in out.iter_mut().zip(&vertices) {
+                *out = vertex.visibility.iter().zip(transfer).map(|(g, t)| g * t).sum();
+            }
         }
     });
     out
 }
 
+/// Circles found, looked up and rotated for 16 vertices at a time, since that is the same work for all.
+struct Seen {
+    batch: Batch,
+    zonal: Vec<Block<f32>>,
+    lobes: Vec<Block<f32>>,
+    vectors: Vec<f32>,
+}
+
+impl Seen {
+    fn new(order: usize) -> Seen {
+        let vectors = vec![0.0; LANES * coefficients(order)];
+        Seen { batch: Batch::new(order), zonal: Vec::new(), lobes: Vec::new(), vectors }
+    }
+
+    fn shade(&mut self, ground: &Ground, numbers: &[usize], how: How, vertices: &mut [Vertex; LANES]) {
+        let Seen { batch, zonal, lobes, vectors } = self;
+        let (order, size) = (batch.order(), coefficients(batch.order()));
+        vertices.iter_mut().for_each(|vertex| vertex.begin(how));
+        let gather = Gather { self_shadow: SelfShadow::Paper, min_sin_angle: 0.0 };
+        let blockers = Blockers { spheres: &ground.spheres, ratios: &[] };
+        gather.circles(&ground.frame.receivers, numbers, blockers, &mut Tally::default(), |circles| {
+            zonal.resize(order * circles.sines.len(), Block::ZERO);
+            lobes.resize(size * circles.sines.len(), Block::ZERO);
+            match how {
+                How::Product => batch.circle_visibilities(&circles.sines, zonal),
+                _ => batch.circle_logs(&circles.sines, zonal),
+            }
+            batch.rotate_zonal(zonal, &circles.axes, lobes);
+            for (lobe, sines) in lobes.chunks_exact(size).zip(&circles.sines) {
+                unpack(order, lobe, vectors);
+                let lanes = vertices.iter_mut().zip(vectors.chunks_exact(size)).zip(&sines.0).take(numbers.len());
+                lanes.filter(|(_, sine)| **sine > 0.0).for_each(|((vertex, circle), _)| vertex.add(circle, how));
+            }
+        });
+        vertices.iter_mut().take(numbers.len()).for_each(|vertex| vertex.end(how));
+    }
+}
+
 /// A vertex at work.
 struct Vertex {
     order: usize,
-    zonal: Vec<f32>,
-    circle: Vec<f32>,
     visibility: Vec<f32>,
     term: Vec<f32>,
     scratch: Vec<f32>,
+    log: Vec<f32>,
 }
 
 impl Vertex {
     fn new(order: usize) -> Vertex {
         let vector = || vec![0.0; coefficients(order)];
-        let (zonal, circle) = (vec![0.0; order], vector());
-        Vertex { order, zonal, circle, visibility: vector(), term: vector(), scratch: vector() }
+        Vertex { order, visibility: vector(), term: vector(), scratch: vector(), log: vector() }
     }
 
-    fn see(&mut self, ground: &Ground, receiver: usize, how: How) {
-        let logs = !matches!(how, How::Product);
-        let table = if logs { CircleTable::log(self.order) } else { CircleTable::visibility(self.order) };
+    fn begin(&mut self, how: How) {
         self.visibility.fill(0.0);
-        if !logs {
+        if how == How::Product {
             self.visibility[0] = (4.0 * PI).sqrt();
         }
-        for Circle { axis, sin_angle, .. } in ground.circles(receiver) {
-            table.lookup(sin_angle, &mut self.zonal);
-            rotate_zonal(self.order, &self.zonal, axis.to_array(), &mut self.circle);
-            match how {
-                How::Circles => self.visibility[0] += self.circle[self.circle.len() - 1],
-                How::Product => {
-                    product(self.order, &self.visibility, &self.circle, &mut self.scratch);
-                    std::mem::swap(&mut self.visibility, &mut self.scratch);
-                }
-                _ => self.visibility.iter_mut().zip(&self.circle).for_each(|(sum, value)| *sum += value),
+    }
+
+    fn add(&mut self, circle: &[f32], how: How) {
+        match how {
+            How::Circles => self.visibility[0] += circle[0],
+            How::Product => {
+                product(self.order, &self.visibility, circle, &mut self.scratch);
+                std::mem::swap(&mut self.visibility, &mut self.scratch);
             }
+            _ => self.visibility.iter_mut().zip(circle).for_each(|(sum, value)| *sum += value),
         }
+    }
+
+    fn end(&mut self, how: How) {
         match how {
             How::PsStar2 => self.ps_star_2(),
             How::Series(degree) => self.series(degree),
@@ -114,12 +154,12 @@ impl Vertex {
 
     /// The exponential of `visibility` by PS-p (Ren 2006, eq. 17).
     fn series(&mut self, degree: usize) {
-        let Vertex { order, circle, visibility, term, scratch, .. } = self;
-        circle.copy_from_slice(visibility);
-        term.copy_from_slice(circle);
+        let Vertex { order, log, visibility, term, scratch } = self;
+        log.copy_from_slice(visibility);
+        term.copy_from_slice(log);
         visibility[0] += (4.0 * PI).sqrt();
         for power in 2..=degree {
-            product(*order, circle, term, scratch);
+            product(*order, log, term, scratch);
             term.iter_mut().zip(&*scratch).for_each(|(term, value)| *term = value / power as f32);
             visibility.iter_mut().zip(&*term).for_each(|(sum, term)| *sum += term);
         }
@@ -128,9 +168,9 @@ impl Vertex {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::{Bench, Terms};
+    use super::super::bench::{Bench, Setting, Terms};
     use super::*;
-    use halflight_sh::{ExpWorkspace, SquaringRule, project_binary_bound};
+    use halflight_sh::{ExpWorkspace, SquaringRule};
 
     /// Plain exponentials are those of the algebra, and plain products those of the method.
     #[test]
@@ -159,17 +199,18 @@ mod tests {
         }
     }
 
+    /// Plain products of circles are what the method multiplies, away from its guard.
     #[test]
-    fn plain_products_stay_visibilities() {
+    fn plain_products_are_those_of_the_method() {
         let dir = tempfile::tempdir().unwrap();
         let terms = Terms { cache: dir.path().into(), quality: Default::default(), rounds: 1 };
         let bench = Bench::new(&terms);
-        let ground = Ground::new(&bench, "sphere-plane", 4.0, 6, 64).unwrap();
-        let mut vertex = Vertex::new(4);
-        for receiver in 0..36 {
-            vertex.see(&ground, receiver, How::Product);
-            let mut bound = vertex.visibility.clone();
-            assert!(!project_binary_bound(4, &mut bound), "one circle is within the bound of visibilities");
+        let ground = Ground::new(&bench, "spheres-60", 6.4, 12, 64).unwrap();
+        let setting = Setting::new("sh-product/ordered", &[("guard", "false")]).unwrap();
+        let shaded = bench.shaded(&ground.scene, &ground.frame, &setting).unwrap().radiance;
+        let plain = render(&ground, 4, &ground.transfer(&bench, 4).unwrap()[0], How::Product);
+        for (plain, shaded) in plain.iter().zip(&shaded) {
+            assert!((plain - shaded.x).abs() < 1e-3 * shaded.x.abs().max(1.0), "{plain} {}", shaded.x);
         }
     }
 }

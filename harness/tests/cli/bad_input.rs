@@ -3,7 +3,7 @@
 use crate::bench::{Bench, SCENE};
 
 /// Commands, and what their message must name.
-const WRONG: [(&str, &[&str]); 29] = [
+const WRONG: [(&str, &[&str]); 32] = [
     ("run --scene nowhere", &["nowhere", "sphere-plane"]),
     ("run --scene nowhere.toml", &["nowhere.toml"]),
     ("run --scene unknown-field.toml", &["unknown-field.toml", "colour"]),
@@ -22,6 +22,9 @@ const WRONG: [(&str, &[&str]); 29] = [
     ("run --suite bad-suite.toml", &["bad-suite.toml", "sed"]),
     ("run --suite quick --scene tiny.toml", &["--suite", "--scene"]),
     ("run --scene tiny.toml --threads 0", &["--threads"]),
+    ("ledger measure S1 S12", &["row `S12`", "S11"]),
+    ("ledger measure S1 --rounds 0", &["--rounds 0", "at least 1"]),
+    ("ledger --check --out absent.md", &["absent.md"]),
     ("probe --scene tiny.toml --method shexp/hyb --at absent.csv", &["absent.csv"]),
     ("probe --scene tiny.toml --reference truth --samples 0 --at short.csv", &["samples", "0", "expected 1"]),
     ("probe --scene tiny.toml --method shexp/hyb --at short.csv", &["short.csv", "line 2", "x,y,z,nx,ny,nz"]),

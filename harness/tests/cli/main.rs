@@ -10,6 +10,7 @@ mod gate;
 mod gate_controls;
 mod import;
 mod killed;
+mod ledger;
 mod refs;
 mod rescore;
 mod run;

@@ -7,8 +7,8 @@ use crate::Error;
 use halflight_blockers::clusters;
 use halflight_scenes::Rgb;
 
-/// Name, scene, spheres an object, leaf spheres of the paper's scene.
-const SCENES: [(&str, &str, &str); 2] = [("battle size", "battle@0.5", "61"), ("dino size", "herd@0.5", "32")];
+/// Name, scene, spheres an object; as many receivers as the paper's scenes have.
+const SCENES: [(&str, &str, &str); 2] = [("battle size", "battle", "61"), ("dino size", "herd", "32")];
 const CUT: &str = "25";
 
 pub(crate) const S9: Row = Row {

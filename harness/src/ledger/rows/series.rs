@@ -8,7 +8,7 @@ use halflight_sh::{ExpWorkspace, coefficients, irradiance_weights};
 
 const ORDER: usize = 4;
 /// Degrees that are tried, and those of which alternation is asked: past the first few, before the paper's 30.
-const DEGREES: std::ops::RangeInclusive<usize> = 1..=60;
+const DEGREES: std::ops::RangeInclusive<usize> = 1..=200;
 const ALTERNATING: std::ops::RangeInclusive<usize> = 10..=30;
 
 const SIGNS: &str = "odd degrees too dark and even ones too bright in the umbra, degrees 10 to 30";
