@@ -1,8 +1,8 @@
 //! The reproduction ledger: a paper's claims, each with its figure, ours, and a verdict.
 //!
-//! A [`Row`] is one claim: what the paper says and prints (data), how it is measured ([`Row::measure`]), and the rule that makes
-//! figures a verdict ([`Row::judge`]). What was measured is in a store, as [`Measured`](halflight_results::Measured) lines;
-//! [`page`] renders it, and measures nothing. Figures of a row count together only if they were taken together.
+//! A [`Row`] is one claim: what the paper says and prints (data), how it is measured (`Row::measure`), and the rule that makes
+//! figures a verdict (`Row::judge`). What was measured is in a store, as [`Measured`] lines;
+//! [`page()`] renders it, and measures nothing. Figures of a row count together only if they were taken together.
 
 mod bench;
 mod ground;
