@@ -111,8 +111,9 @@ fn suites_tell_their_cells_and_name_families() {
         bench.write("families.toml", &suite("order=3").replace("'shexp/hyb'", methods));
         bench.well("plan --suite families.toml").lines().count() - 1
     };
-    assert_eq!(plan("'shexp/*'"), 3);
-    assert_eq!(plan("'all'"), halflight_registry::methods().len());
+    let ids = || halflight_registry::methods().into_iter().map(|method| method.info().id);
+    assert_eq!(plan("'shexp/*'"), ids().filter(|id| id.starts_with("shexp/")).count());
+    assert_eq!(plan("'all'"), ids().count());
     assert!(whole.entries.iter().any(|entry| entry.scenes == ["all"] && entry.methods == ["all"]));
     let said = bench.halflight("plan --scene tiny.toml --method nobody/*");
     assert!(said.code == 2 && said.err.contains("unknown method `nobody/*`"), "{}", said.err);
