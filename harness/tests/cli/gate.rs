@@ -133,7 +133,10 @@ fn the_shipped_suite_has_every_method_at_its_defaults() {
     for method in halflight_registry::methods() {
         let id = method.info().id;
         let family = format!("{}/*", id.split('/').next().unwrap_or(id));
-        assert!(gated.contains(id) || gated.contains(&*family), "{id} is not gated: add it to harness/suites/gate.toml and `halflight bless`");
+        assert!(
+            gated.contains(id) || gated.contains(&*family),
+            "{id} is not gated: add it to harness/suites/gate.toml and `halflight bless`"
+        );
     }
 }
 
