@@ -7,9 +7,9 @@ use halflight_scenes::{Emission, Frame, KeyLight, Light, Mesh, Object, Rgb, Scen
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Distance of what is infinitely far, in metres: to receivers some metres apart it seems to shift by 1e-5 rad, and directions
-/// towards it keep all the digits that `f32` has.
-const FAR: f64 = 1e6;
+/// Distance of what is infinitely far, in the farthest receiver's from the origin and at least in 10 m: between receivers it seems to shift by
+/// 1e-5 rad, and directions towards it keep all the digits that `f32` has.
+const FAR: f64 = 1e5;
 /// Widest key light in radians: the disc for a wider one would be so large that directions to its middle are rarely sampled.
 const WIDEST: f32 = 1.3;
 /// Most shapes that the triangles of one object are sorted into.
@@ -33,8 +33,10 @@ pub(super) fn write_scenes(scene: &Scene, frame: &Frame, out: &Path) -> Result<V
     }
     std::fs::create_dir_all(out).map_err(|source| Error::Io { path: out.to_owned(), source })?;
     write(&out.join("shapes.xml"), document(&shapes(scene, frame, false, out)?).as_bytes())?;
+    let farthest = frame.receivers.position.iter().map(|position| position.length()).fold(10.0, f32::max);
+    let far = FAR * f64::from(farthest);
     let distant = |(index, light): (usize, &Light)| {
-        Ok(format!("    <include filename=\"shapes.xml\"/>\n{}", emitter(light, index, out)?))
+        Ok(format!("    <include filename=\"shapes.xml\"/>\n{}", emitter(light, far, index, out)?))
     };
     let mut lights: Vec<String> = frame.lights().enumerate().map(distant).collect::<Result<_, Error>>()?;
     if scene.objects.iter().any(Object::emits) {
@@ -137,7 +139,7 @@ fn sphere(sphere: &Sphere, surface: &str) -> String {
     )
 }
 
-fn emitter(light: &Light, index: usize, out: &Path) -> Result<String, Error> {
+fn emitter(light: &Light, far: f64, index: usize, out: &Path) -> Result<String, Error> {
     match light {
         Light::Environment(map) => {
             let turn = f64::from(map.rotation).to_degrees();
@@ -151,7 +153,7 @@ fn emitter(light: &Light, index: usize, out: &Path) -> Result<String, Error> {
             let map = RadianceMap::of_elevation(|direction| light.radiance(direction));
             envmap(&map, &format!("<matrix value=\"{UPRIGHT}\"/>"), index, out)
         }
-        Light::Key(key) => key_light(key),
+        Light::Key(key) => key_light(key, far),
     }
 }
 
@@ -165,17 +167,17 @@ fn envmap(map: &RadianceMap, to_world: &str, index: usize, out: &Path) -> Result
     ))
 }
 
-/// A far disc that is seen under the light's angle. (Of a sphere of the sun's size Mitsuba has the solid angle half a percent
+/// A disc at the distance `far` that is seen under the light's angle. (Of a sphere of the sun's size Mitsuba has the solid angle half a percent
 /// wrong: `1 − cos` in `f32`.)
-fn key_light(key: &KeyLight) -> Result<String, Error> {
+fn key_light(key: &KeyLight, far: f64) -> Result<String, Error> {
     if key.angular_radius > WIDEST {
         return Err(Error::Other(format!(
             "key light of angular radius {} rad: expected at most {WIDEST}, wider ones cannot be exported",
             key.angular_radius
         )));
     }
-    let radius = FAR * f64::from(key.angular_radius).tan();
-    let (x, y, z) = (FAR * key.direction.as_dvec3()).into();
+    let radius = far * f64::from(key.angular_radius).tan();
+    let (x, y, z) = (far * key.direction.as_dvec3()).into();
     let (u, v, w) = key.direction.as_dvec3().any_orthonormal_vector().into();
     let look = format!("<lookat origin=\"{x}, {y}, {z}\" target=\"0, 0, 0\" up=\"{u}, {v}, {w}\"/>");
     Ok(format!(

@@ -1,6 +1,6 @@
 //! `halflight export`, and what an independent renderer says to it.
 
-use crate::bench::Bench;
+use crate::bench::{Bench, SCENE};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::Command;
@@ -27,6 +27,23 @@ fn export_writes_blockers_lights_and_receivers_with_their_truth() {
     bench.well("export --scene tiny.toml --to mitsuba --out mi --receivers 5 --samples 256");
     let fewer: Vec<String> = read("receivers.csv").lines().skip(1).map(|line| line[..7].to_owned()).collect();
     assert_eq!(fewer, ["-0.5,0,", "1.5,0,0"]);
+}
+
+/// Over a terrain of kilometres a light at a fixed distance would move by degrees.
+#[test]
+fn what_is_infinitely_far_is_far_from_the_farthest_receiver() {
+    let bench = Bench::new();
+    let key = "key = { direction = [0.6, 0.0, 0.8], angular_radius = 2.0, radiance = [9.0, 9.0, 9.0] }";
+    let near = SCENE.replace("sky = { overcast = [1.0, 0.9, 0.8] }", key);
+    for (size, least) in [("[4.0, 3.0]", 1e6), ("[40000.0, 30000.0]", 1e9)] {
+        bench.write("key.toml", &near.replace("size = [4.0, 3.0]", &format!("size = {size}")));
+        bench.well("export --scene key.toml --to mitsuba --out mi --samples 256");
+        let light = std::fs::read_to_string(bench.path("mi/light-0.xml")).unwrap();
+        let (_, origin) = light.split_once("lookat origin=\"").unwrap_or_else(|| panic!("{light}"));
+        let origin: Vec<f64> = origin.split('"').next().unwrap().split(", ").map(|v| v.parse().unwrap()).collect();
+        let distance = origin.iter().map(|v| v * v).sum::<f64>().sqrt();
+        assert!((0.9..10.0).contains(&(distance / least)), "{size}: {distance}");
+    }
 }
 
 /// The Python that `HALFLIGHT_PYTHON` names, or `python3` if that has Mitsuba.
