@@ -42,6 +42,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "harness/results",
             "methods/blockers",
             "methods/contract",
+            "methods/horizons",
             "methods/light",
             "methods/proxies",
             "methods/registry",

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::manifests::{read, root};
 
 /// Crates below `methods/` that hold no method.
-const SUPPORT: &[&str] = &["blockers", "contract", "gpu", "light", "proxies", "registry", "sh"];
+const SUPPORT: &[&str] = &["blockers", "contract", "gpu", "horizons", "light", "proxies", "registry", "sh"];
 
 /// A crate below `methods/`.
 struct Folder {
