@@ -103,6 +103,20 @@ impl Level {
         first.map_or(0..0, |first| first..touched.next_back().unwrap_or(first) + 1)
     }
 
+    /// Of `count` points a vertex apart, from one in grid coordinates of the field on along x, those on the field.
+    #[inline(always)]
+    pub(crate) fn inside(&self, x: f64, y: f64, count: usize) -> Range<usize> {
+        /// In cells: what rounding takes off the border is on it.
+        const NEAR: f64 = 1e-6;
+        let last = [0, 1].map(|axis| (self.size[axis] as f64 - 2.0 * self.shift[axis]) / self.scale[axis] - 1.0 + NEAR);
+        if y < -NEAR || y > last[1] {
+            return 0..0;
+        }
+        let first = (-NEAR - x).ceil().clamp(0.0, count as f64);
+        let end = ((last[0] - x).floor() + 1.0).clamp(first, count as f64);
+        first as usize..end as usize
+    }
+
     /// The rows whose centres lie within reach of some rows of another level, which a B-spline reads.
     pub(crate) fn around(&self, other: &Level, rows: &Range<usize>) -> Range<usize> {
         const REACH: f64 = 3.0;

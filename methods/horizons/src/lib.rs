@@ -6,6 +6,9 @@
 //! - [`March`], its ground truth: evenly spaced samples of the finest heights;
 //! - [`Sweep`]: convex hulls that grow along parallel lines (Timonen and Westerholm 2010), a horizon for every vertex at once.
 //!
+//! Beyond the border there is nothing for the sweep, while the others let the field go on as it ends there, as the paper's textures
+//! do, or see nothing either ([`Border`]).
+//!
 //! Azimuths are in radians from +x towards +y, elevations in radians in `[0, π/2]`, distances in metres.
 
 mod arctangent;
@@ -25,6 +28,7 @@ use halflight_scenes::HeightField;
 
 pub use march::March;
 pub use pyramid::{Plane, Pyramid, Reconstruction, Scale, Settings, Storage};
+pub use ray::Border;
 pub use sweep::Sweep;
 
 /// Receivers by grid coordinates: `(i, j)` is vertex `(i, j)`, and what lies outside is moved to the border. Where neighbours in

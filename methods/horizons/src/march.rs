@@ -7,7 +7,7 @@ use halflight_sh_kernels::Simd;
 
 use crate::level::Level;
 use crate::pyramid::Scale;
-use crate::ray::{Rays, Step, steps};
+use crate::ray::{Border, Rays, Step, steps};
 use crate::runs::runs;
 use crate::{Azimuth, Horizons, Points, Work};
 
@@ -20,6 +20,7 @@ const AT_ONCE: usize = 12;
 /// Horizons by marching: eq. (1) at distances that are spread evenly over the field's longer side, between vertices bilinear.
 pub struct March {
     samples: usize,
+    border: Border,
     simd: Simd,
     cell: [f32; 2],
     heights: Option<Level>,
@@ -49,7 +50,12 @@ impl March {
     /// As [`March::new`].
     pub fn on(samples: usize, simd: Simd) -> Self {
         assert!(samples > 0, "at least one sample");
-        March { samples, simd, cell: [1.0; 2], heights: None, top: 0.0, azimuths: Vec::new() }
+        March { samples, border: Border::Extend, simd, cell: [1.0; 2], heights: None, top: 0.0, azimuths: Vec::new() }
+    }
+
+    /// The same with something else beyond the border, where it goes on by default.
+    pub fn with_border(self, border: Border) -> Self {
+        March { border, ..self }
     }
 
     fn level(&self) -> &Level {
@@ -75,7 +81,7 @@ impl Horizons for March {
     fn elevations(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]) {
         assert_eq!(out.len(), at.len() * azimuths.len(), "an entry for every point and azimuth");
         let level = self.level();
-        let mut rays = Rays::<2>::new(std::slice::from_ref(level), self.simd);
+        let mut rays = Rays::<2>::new(std::slice::from_ref(level), self.border, self.simd);
         for run in runs(at, level.size) {
             rays.stand(run, 0);
             for (index, (_, steps)) in self.azimuths[azimuths.clone()].iter().enumerate() {
@@ -90,7 +96,7 @@ impl Horizons for March {
         assert_eq!(out.len(), at.len(), "an entry for every point");
         let level = self.level();
         let (_, steps) = &self.azimuths[azimuth];
-        let mut rays = Rays::<2>::new(std::slice::from_ref(level), self.simd);
+        let mut rays = Rays::<2>::new(std::slice::from_ref(level), self.border, self.simd);
         for run in runs(at, level.size) {
             rays.stand(run, 0);
             let out = &mut out[run.first..][..run.count];

@@ -7,7 +7,7 @@ use halflight_sh_kernels::Simd;
 use rayon::prelude::*;
 
 use crate::level::Level;
-use crate::ray::{Grid, Rays, Step, sample, steps};
+use crate::ray::{Border, Grid, Rays, Step, sample, steps};
 use crate::runs::runs;
 use crate::{Azimuth, Horizons, Points, Purpose, Work};
 
@@ -74,6 +74,7 @@ impl Default for Settings {
 /// Horizons by multi-scale derivatives.
 pub struct Pyramid {
     settings: Settings,
+    border: Border,
     simd: Simd,
     cell: [f32; 2],
     /// The decimated levels, the coarsest first. With [`Storage::Full`] their samples are brought back into `full`.
@@ -98,7 +99,20 @@ impl Pyramid {
     pub fn on(settings: Settings, simd: Simd) -> Self {
         assert!(settings.levels_per_octave > 0, "at least one level an octave");
         assert!(settings.offset >= 0.0 && settings.offset.is_finite(), "a level offset of at least 0");
-        Pyramid { settings, simd, cell: [0.0; 2], levels: Vec::new(), full: Vec::new(), azimuths: Vec::new() }
+        Pyramid {
+            settings,
+            border: Border::Extend,
+            simd,
+            cell: [0.0; 2],
+            levels: Vec::new(),
+            full: Vec::new(),
+            azimuths: Vec::new(),
+        }
+    }
+
+    /// The same with something else beyond the border, where it goes on by default.
+    pub fn with_border(self, border: Border) -> Self {
+        Pyramid { border, ..self }
     }
 
     /// Levels, `k · log2 n + 1` for a square field of `n` vertices a side.
@@ -144,7 +158,7 @@ impl Pyramid {
         let Some(finest) = self.levels.last() else {
             panic!("a field before receivers");
         };
-        let mut rays = Rays::<T>::new(levels, self.simd);
+        let mut rays = Rays::<T>::new(levels, self.border, self.simd);
         let coarsest = self.looked_at(0);
         for run in runs(at, finest.size) {
             rays.stand(run, coarsest);

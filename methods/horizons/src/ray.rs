@@ -34,10 +34,21 @@ pub(crate) fn steps(angle: f32, cell: [f32; 2], distances: impl Iterator<Item = 
     distances.map(step).collect()
 }
 
+/// What lies beyond a field's border.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Border {
+    /// The border's heights, drawn out.
+    #[default]
+    Extend,
+    /// Nothing: a height difference with a point out there counts as level.
+    Open,
+}
+
 /// Looks along rays over some levels, whose heights are reconstructed from `T · T` samples.
 pub(crate) struct Rays<'l, const T: usize> {
     levels: &'l [Level],
     simd: Simd,
+    border: Border,
     run: Run,
     /// The receivers' heights, [`RUN`] a level.
     own: Vec<f32>,
@@ -47,10 +58,10 @@ pub(crate) struct Rays<'l, const T: usize> {
 }
 
 impl<'l, const T: usize> Rays<'l, T> {
-    pub(crate) fn new(levels: &'l [Level], simd: Simd) -> Self {
+    pub(crate) fn new(levels: &'l [Level], border: Border, simd: Simd) -> Self {
         let own = vec![0.0; RUN * levels.len() + 16];
         let nowhere = Run { start: [0.0; 2], first: 0, count: 0 };
-        Rays { levels, simd, run: nowhere, own, tangents: Vec::new(), elevations: Box::new([0.0; ROOM]) }
+        Rays { levels, simd, border, run: nowhere, own, tangents: Vec::new(), elevations: Box::new([0.0; ROOM]) }
     }
 
     /// Goes to receivers; only the levels from `first` on will be asked.
@@ -69,6 +80,7 @@ impl<'l, const T: usize> Rays<'l, T> {
         self.tangents.resize(steps.len() * RUN + 16, 0.0);
         let look = Look::<T> {
             levels: self.levels,
+            border: self.border,
             run: self.run,
             steps,
             own: &self.own,
@@ -99,6 +111,7 @@ impl<const T: usize> Task<f32> for Stand<'_, T> {
 
 struct Look<'a, const T: usize> {
     levels: &'a [Level],
+    border: Border,
     run: Run,
     steps: &'a [Step],
     own: &'a [f32],
@@ -113,8 +126,17 @@ impl<const T: usize> Task<f32> for Look<'_, T> {
         let [x, y] = self.run.start;
         let count = self.run.count;
         for (number, step) in self.steps.iter().enumerate() {
-            let line = Line::<T>::new(&self.levels[step.level], x + step.offset[0], y + step.offset[1]);
-            line.write::<V>(count, &self.own[step.level * RUN..], step.inverse, &mut self.tangents[number * RUN..]);
+            let (level, tangents) = (&self.levels[step.level], &mut self.tangents[number * RUN..]);
+            let [x, y] = [x + step.offset[0], y + step.offset[1]];
+            let seen = match self.border {
+                Border::Extend => 0..count,
+                Border::Open => level.inside(x, y, count),
+            };
+            if !seen.is_empty() {
+                Line::<T>::new(level, x, y).write::<V>(count, &self.own[step.level * RUN..], step.inverse, tangents);
+            }
+            tangents[..seen.start].fill(0.0);
+            tangents[seen.end..count].fill(0.0);
         }
         let (zero, right) = (V::constant(0.0), V::splat(std::f32::consts::FRAC_PI_2));
         for receiver in (0..count).step_by(V::WIDTH) {

@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 
 use glam::Vec2;
 use halflight_horizons::{
-    Azimuth, Horizons, March, Plane, Points, Purpose, Pyramid, Reconstruction, Scale, Settings, Storage, Sweep,
+    Azimuth, Border, Horizons, March, Plane, Points, Purpose, Pyramid, Reconstruction, Scale, Settings, Storage, Sweep,
 };
 use halflight_scenes::HeightField;
 use halflight_sh_kernels::Simd;
@@ -20,6 +20,8 @@ fn kinds(simd: Simd) -> Vec<Box<dyn Horizons>> {
         (8, 8.0, Scale::Linear, Plane::BSpline, Storage::Octaves),
         (2, 2.0, Scale::BSpline, Plane::Bilinear, Storage::Full),
     ];
+    all.push(Box::new(March::on(31, simd).with_border(Border::Open)));
+    all.push(Box::new(Pyramid::on(Settings::default(), simd).with_border(Border::Open)));
     for (levels_per_octave, offset, scale, plane, storage) in settings {
         let reconstruction = Reconstruction { scale, plane };
         all.push(Box::new(Pyramid::on(Settings { levels_per_octave, offset, reconstruction, storage }, simd)));
