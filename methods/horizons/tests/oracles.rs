@@ -138,7 +138,7 @@ fn beyond_the_border_lies_what_is_said() {
     let slope = TAU.cos().atan2(2.0_f32.sqrt());
     // On the upper border nothing is above it; on the side, the drawn out field climbs on.
     for (extended, open) in [
-        (see(Box::new(March::default())), see(Box::new(March::default().with_border(Border::Open)))),
+        (see(Box::<March>::default()), see(Box::new(March::default().with_border(Border::Open)))),
         (
             see(Box::new(study::pyramid(4, 4.0, FIGURE_9[0]))),
             see(Box::new(study::pyramid(4, 4.0, FIGURE_9[0]).with_border(Border::Open))),
