@@ -5,16 +5,14 @@
 use std::f64::consts::FRAC_PI_4;
 
 use halflight_horizons::study::{self, Errors, FIGURE_9, FIGURE_10, Truth};
-use halflight_horizons::{Horizons, March, Plane, Pyramid, Reconstruction, Scale, Settings, Storage, Sweep};
+use halflight_horizons::{Border, Horizons, March, Pyramid, Reconstruction, Settings, Storage, Sweep};
 
 const SIDE: usize = 512;
 const ANGLES: [f32; 4] = [0.1, 1.9, 3.4, 5.0];
 const STRIDE: usize = 13;
 
-const SPLINES: Reconstruction = Reconstruction { scale: Scale::BSpline, plane: Plane::BSpline };
-
 fn main() {
-    println!("{}", include_str!("deviation/head.md"));
+    print!("{}", include_str!("deviation/head.md"));
     sizes();
     trench();
     let fields = study::fields(SIDE);
@@ -54,50 +52,50 @@ fn trench() {
     }
 }
 
+/// A pyramid over a field that ends at its border.
+fn open(k: usize, o: f32, reconstruction: Reconstruction) -> Box<dyn Horizons> {
+    Box::new(study::pyramid(k, o, reconstruction).with_border(Border::Open))
+}
+
 fn ways(exact: &[(&str, Truth<'_>)]) {
-    println!("\n## Root mean square error, degrees\n\nIn brackets the mean error.\n");
-    let octaves = |k, o, reconstruction| Box::new(study::pyramid(k, o, reconstruction)) as Box<dyn Horizons>;
+    println!("\n## Every way\n\nRoot mean square error, degrees; in brackets the mean error.\n");
+    let [nearest, _, linear, splines] = FIGURE_9;
     let decimated = Settings { storage: Storage::Decimated, ..Settings::default() };
-    let linear = Reconstruction { scale: Scale::Linear, plane: Plane::BSpline };
-    let nearest = Reconstruction { scale: Scale::Linear, plane: Plane::Bilinear };
-    let ways: [(&str, Box<dyn Horizons>); 8] = [
-        ("pyramid 4, 2, B-splines", octaves(4, 2.0, SPLINES)),
-        ("the same by decimated levels", Box::new(Pyramid::new(decimated))),
-        ("pyramid 4, 2, linear, B-spline (environment)", octaves(4, 2.0, linear)),
-        ("pyramid 4, 4, B-splines", octaves(4, 4.0, SPLINES)),
-        ("pyramid 4, 4, linear, bilinear", octaves(4, 4.0, nearest)),
-        ("pyramid 8, 8, linear, bilinear", octaves(8, 8.0, nearest)),
-        ("march of 145", Box::new(March::default())),
+    let ways: [(&str, Box<dyn Horizons>); 12] = [
+        ("pyramid 4, 2, B-splines", open(4, 2.0, splines)),
+        ("the same by decimated levels", Box::new(Pyramid::new(decimated).with_border(Border::Open))),
+        ("the same, border drawn out", Box::new(study::pyramid(4, 2.0, splines))),
+        ("pyramid 4, 2, linear, B-spline (environment)", open(4, 2.0, linear)),
+        ("pyramid 4, 4, B-splines", open(4, 4.0, splines)),
+        ("pyramid 4, 4, linear, bilinear", open(4, 4.0, nearest)),
+        ("the same, border drawn out", Box::new(study::pyramid(4, 4.0, nearest))),
+        ("pyramid 8, 8, linear, bilinear", open(8, 8.0, nearest)),
+        ("march of 145", Box::new(March::default().with_border(Border::Open))),
+        ("the same, border drawn out", Box::<March>::default()),
+        ("march of 1160", Box::new(March::new(1160).with_border(Border::Open))),
         ("sweep", Box::new(Sweep::new())),
     ];
-    table("horizons", exact, ways, |errors| {
-        format!("{:.2} ({:+.2})", errors.rmse.to_degrees(), errors.bias.to_degrees())
-    });
+    let cell = |errors: Errors| format!("{:.2} ({:+.2})", errors.rmse.to_degrees(), errors.bias.to_degrees());
+    table("horizons", exact, ways, cell);
 }
 
 fn figure_10(exact: &[(&str, Truth<'_>)]) {
-    println!("\n## Fig. 10: root mean square error, degrees, by levels an octave and level offset\n");
+    println!("\n## Fig. 10: levels an octave and level offset\n\nRoot mean square error, degrees.\n");
     for (name, reconstruction) in
         [("B-spline in both", FIGURE_9[3]), ("B-spline in scale, bilinear in the plane", FIGURE_9[1])]
     {
         println!("{name}:\n");
-        let rows = FIGURE_10
-            .map(|(k, o)| (format!("{k}, {o}"), Box::new(study::pyramid(k, o, reconstruction)) as Box<dyn Horizons>));
+        let rows = FIGURE_10.map(|(k, o)| (format!("{k}, {o}"), open(k, o, reconstruction)));
         table("k, o", exact, rows, |errors| format!("{:.2}", errors.rmse.to_degrees()));
         println!();
     }
 }
 
 fn figure_9(exact: &[(&str, Truth<'_>)]) {
-    println!(
-        "## Fig. 9: error and roughness of the reconstructions at (4, 4)\n\nRoot mean square error / root mean square second difference of the horizons, degrees.\n"
-    );
-    let rows = FIGURE_9.map(|r| {
-        (
-            format!("{:?} in scale, {:?} in the plane", r.scale, r.plane),
-            Box::new(study::pyramid(4, 4.0, r)) as Box<dyn Horizons>,
-        )
-    });
+    println!("## Fig. 9: reconstructions at (4, 4)\n");
+    println!("Root mean square error / root mean square second difference of the horizons, degrees.\n");
+    let name = |r: Reconstruction| format!("{:?} in scale, {:?} in the plane", r.scale, r.plane);
+    let rows = FIGURE_9.map(|r| (name(r), open(4, 4.0, r)));
     table("reconstruction", exact, rows, |errors| {
         format!("{:.2} / {:.3}", errors.rmse.to_degrees(), errors.roughness.to_degrees())
     });

@@ -12,14 +12,20 @@ pub(crate) const PAD: usize = 20;
 /// How many samples before a row a register may begin; nothing differs there.
 pub(crate) const BEYOND: isize = 19;
 
+/// Where a level's samples lie along x and y.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lattice {
+    /// Samples in the length of one of the field's, at most 1.
+    pub(crate) scale: [f64; 2],
+    /// By how many samples it begins before the field, where it does not fit.
+    pub(crate) shift: [f64; 2],
+}
+
 /// Heights at the centres of rectangles, a whole number of which covers the field: its own are rectangles about its vertices.
 #[derive(Clone, Debug)]
 pub(crate) struct Level {
     pub(crate) size: [usize; 2],
-    /// Its samples in the length of one of the field's, along x and y; at most 1.
-    pub(crate) scale: [f64; 2],
-    /// By how many of its samples it begins before the field, where it does not fit.
-    pub(crate) shift: [f64; 2],
+    pub(crate) lattice: Lattice,
     /// Row by row, padded, and 16 more, so that every entry begins 16.
     pub(crate) heights: Vec<f32>,
 }
@@ -32,14 +38,15 @@ impl Level {
 
     fn scaled(size: [usize; 2], full: [usize; 2], scale: [f64; 2]) -> Self {
         let shift = [0, 1].map(|axis| 0.5 * (size[axis] as f64 - full[axis] as f64 * scale[axis]));
-        Level { size, scale, shift, heights: vec![0.0; (size[0] + 2 * PAD) * size[1] + 16] }
+        Level { size, lattice: Lattice { scale, shift }, heights: vec![0.0; (size[0] + 2 * PAD) * size[1] + 16] }
     }
 
     /// Heights 0 for bringing a level back to at least twice its own resolution: by a power of two of the field's, at least an
     /// eighth, so that registers of receivers lie alike among samples.
     pub(crate) fn octave(of: &Level, full: [usize; 2]) -> Self {
-        let halved =
-            |axis: usize| (0..3).take_while(|halvings| of.scale[axis] * 2.0 * f64::from(2 << halvings) <= 1.0).count();
+        let halved = |axis: usize| {
+            (0..3).take_while(|halvings| of.lattice.scale[axis] * 2.0 * f64::from(2 << halvings) <= 1.0).count()
+        };
         let halvings = [0, 1].map(halved);
         let size = [0, 1].map(|axis| full[axis].div_ceil(1 << halvings[axis]));
         Self::scaled(size, full, halvings.map(|halvings| 1.0 / f64::from(1 << halvings)))
@@ -108,7 +115,8 @@ impl Level {
     pub(crate) fn inside(&self, x: f64, y: f64, count: usize) -> Range<usize> {
         /// In cells: what rounding takes off the border is on it.
         const NEAR: f64 = 1e-6;
-        let last = [0, 1].map(|axis| (self.size[axis] as f64 - 2.0 * self.shift[axis]) / self.scale[axis] - 1.0 + NEAR);
+        let Lattice { scale, shift } = self.lattice;
+        let last = [0, 1].map(|axis| (self.size[axis] as f64 - 2.0 * shift[axis]) / scale[axis] - 1.0 + NEAR);
         if y < -NEAR || y > last[1] {
             return 0..0;
         }
@@ -120,7 +128,7 @@ impl Level {
     /// The rows whose centres lie within reach of some rows of another level, which a B-spline reads.
     pub(crate) fn around(&self, other: &Level, rows: &Range<usize>) -> Range<usize> {
         const REACH: f64 = 3.0;
-        let here = |row: f64| (row + 0.5) * self.scale[1] / other.scale[1] - 0.5;
+        let here = |row: f64| (row + 0.5) * self.lattice.scale[1] / other.lattice.scale[1] - 0.5;
         let (first, end) = (here(rows.start as f64 - REACH), here(rows.end as f64 + REACH));
         first.floor().max(0.0) as usize..(end.ceil().max(0.0) as usize).min(self.size[1])
     }

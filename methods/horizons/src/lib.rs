@@ -9,6 +9,9 @@
 //! Beyond the border there is nothing for the sweep, while the others let the field go on as it ends there, as the paper's textures
 //! do, or see nothing either ([`Border`]).
 //!
+//! A field has at least 2 × 2 vertices and finite heights: [`HeightField`] takes no other, and a loader says so of a file. All horizons are
+//! finite and within `[0, π/2]`, whatever the heights, cells and points.
+//!
 //! Azimuths are in radians from +x towards +y, elevations in radians in `[0, π/2]`, distances in metres.
 
 mod arctangent;

@@ -2,7 +2,7 @@
 
 use halflight_sh_kernels::Lanes;
 
-use crate::level::{BEYOND, Level, PAD};
+use crate::level::{BEYOND, Lattice, Level, PAD};
 
 /// Lanes from a place in a slice that holds 16 entries from there on.
 #[inline(always)]
@@ -59,8 +59,8 @@ impl<'l, const T: usize> Line<'l, T> {
     /// From a point in grid coordinates of the field on, which may lie outside.
     #[inline(always)]
     pub(crate) fn new(level: &'l Level, x: f64, y: f64) -> Self {
-        let [x, y] = [(x, 0), (y, 1)].map(|(at, axis)| at + level.shift[axis] / level.scale[axis]);
-        Self::seen(level, level.scale, x, y)
+        let Lattice { scale, shift } = level.lattice;
+        Self::seen(level, scale, x + shift[0] / scale[0], y + shift[1] / scale[1])
     }
 
     /// From a point in coordinates of a grid with `scale` samples of the level in the length of one of its own.

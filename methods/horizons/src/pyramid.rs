@@ -7,7 +7,7 @@ use halflight_sh_kernels::Simd;
 use rayon::prelude::*;
 
 use crate::level::Level;
-use crate::ray::{Border, Grid, Rays, Step, sample, steps};
+use crate::ray::{Border, Rays, Step, sample, steps};
 use crate::runs::runs;
 use crate::{Azimuth, Horizons, Points, Purpose, Work};
 
@@ -241,12 +241,12 @@ impl Pyramid {
 
 /// Brings what depends on some rows of a level back to the resolution that it is looked at with.
 fn bring_back(level: &Level, rows: &Range<usize>, plane: Plane, simd: Simd, back: &mut Level) {
-    let (stride, grid) = (back.stride(), Grid { scale: back.scale, shift: back.shift });
+    let (stride, lattice) = (back.stride(), back.lattice);
     let rows = back.around(level, rows);
     let all = back.rows_mut(&rows).par_chunks_mut(stride).enumerate();
     match plane {
-        Plane::Bilinear => all.for_each(|(row, to)| sample::<2>(level, &grid, rows.start + row, simd, to)),
-        Plane::BSpline => all.for_each(|(row, to)| sample::<4>(level, &grid, rows.start + row, simd, to)),
+        Plane::Bilinear => all.for_each(|(row, to)| sample::<2>(level, &lattice, rows.start + row, simd, to)),
+        Plane::BSpline => all.for_each(|(row, to)| sample::<4>(level, &lattice, rows.start + row, simd, to)),
     }
 }
 

@@ -3,7 +3,7 @@
 use halflight_sh_kernels::{Lanes, Simd, Task, run};
 
 use crate::arctangent::arctangent;
-use crate::level::{Level, PAD, pad};
+use crate::level::{Lattice, Level, PAD, pad};
 use crate::line::{Line, load, store};
 use crate::pyramid::Scale;
 use crate::runs::{RUN, Run};
@@ -192,21 +192,14 @@ fn half_knot<V: Lanes<Scalar = f32>>(before: V, low: V, high: V, after: V) -> V 
     before.add(after).mul_add(V::constant(1.0 / 48.0), low.add(high).mul(V::constant(23.0 / 48.0)))
 }
 
-/// Where a level's samples lie, see [`Level`].
-#[derive(Clone, Copy)]
-pub(crate) struct Grid {
-    pub(crate) scale: [f64; 2],
-    pub(crate) shift: [f64; 2],
-}
-
 /// A padded row of `to`: a level at its samples' centres in row `row`.
-pub(crate) fn sample<const T: usize>(from: &Level, to: &Grid, row: usize, simd: Simd, padded: &mut [f32]) {
+pub(crate) fn sample<const T: usize>(from: &Level, to: &Lattice, row: usize, simd: Simd, padded: &mut [f32]) {
     run(simd, Sample::<T> { from, to, row, padded });
 }
 
 struct Sample<'a, const T: usize> {
     from: &'a Level,
-    to: &'a Grid,
+    to: &'a Lattice,
     row: usize,
     padded: &'a mut [f32],
 }
@@ -215,7 +208,7 @@ impl<const T: usize> Task<f32> for Sample<'_, T> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
         // The level as one of the other grid, whose samples stand for vertices.
-        let scale = [0, 1].map(|axis| self.from.scale[axis] / self.to.scale[axis]);
+        let scale = [0, 1].map(|axis| self.from.lattice.scale[axis] / self.to.scale[axis]);
         let y = self.row as f64 - self.to.shift[1];
         let count = self.padded.len() - 2 * PAD;
         for first in (0..count).step_by(RUN) {

@@ -241,3 +241,16 @@ fn two_threads_equal_one() {
     };
     assert_eq!(see(1), see(2));
 }
+
+#[test]
+fn a_field_of_4096_vertices_a_side_takes_what_is_stated() {
+    let side = 4096;
+    let heights = (0..side * side).map(|vertex| mixed(vertex / 8, 1)).collect();
+    let field = HeightField::new([side, side], Vec2::ZERO, Vec2::ONE, heights);
+    let mut pyramid = Pyramid::new(Settings { storage: Storage::Decimated, ..Settings::default() });
+    pyramid.update(&field, &[key(1.0)]);
+    assert!(pyramid.footprint() < 240_000_000, "{}", pyramid.footprint());
+    let mut seen = [f32::NAN; 2];
+    pyramid.elevations(Points { x: &[0.0, 4095.0], y: &[0.0, 2047.5] }, 0..1, &mut seen);
+    assert!(seen.iter().all(|elevation| (0.0..=FRAC_PI_2).contains(elevation)));
+}
