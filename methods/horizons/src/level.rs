@@ -6,11 +6,10 @@ use std::ops::Range;
 /// row reads no farther.
 pub(crate) const PAD: usize = 20;
 
-/// How far in samples from a row its border has been left for good.
-pub(crate) const BEYOND: f64 = 18.0;
+/// How many samples before a row a register may begin; nothing differs there.
+pub(crate) const BEYOND: isize = 19;
 
-/// Heights at the centres of `columns · rows` rectangles that share the extent of the field's own, which are centred at its
-/// vertices.
+/// Heights at the centres of rectangles, a whole number of which covers the field: its own are rectangles about its vertices.
 #[derive(Clone, Debug)]
 pub(crate) struct Level {
     pub(crate) size: [usize; 2],
@@ -21,10 +20,23 @@ pub(crate) struct Level {
 }
 
 impl Level {
-    /// Heights 0 of `size`, under a field of `full` vertices.
+    /// Heights 0 of `size`, as wide as a field of `full` vertices.
     pub(crate) fn new(size: [usize; 2], full: [usize; 2]) -> Self {
-        let scale = [0, 1].map(|axis| size[axis] as f64 / full[axis] as f64);
+        Self::scaled(size, [0, 1].map(|axis| size[axis] as f64 / full[axis] as f64))
+    }
+
+    fn scaled(size: [usize; 2], scale: [f64; 2]) -> Self {
         Level { size, scale, heights: vec![0.0; (size[0] + 2 * PAD) * size[1] + 16] }
+    }
+
+    /// Heights 0 for bringing a level back to at least twice its own resolution: by a power of two of the field's, at least an
+    /// eighth, so that registers of receivers lie alike among samples.
+    pub(crate) fn octave(of: &Level, full: [usize; 2]) -> Self {
+        let halved =
+            |axis: usize| (0..3).take_while(|halvings| of.scale[axis] * 2.0 * f64::from(2 << halvings) <= 1.0).count();
+        let halvings = [0, 1].map(halved);
+        let size = [0, 1].map(|axis| full[axis].div_ceil(1 << halvings[axis]));
+        Self::scaled(size, halvings.map(|halvings| 1.0 / f64::from(1 << halvings)))
     }
 
     pub(crate) fn stride(&self) -> usize {

@@ -9,12 +9,14 @@
 //! Azimuths are in radians from +x towards +y, elevations in radians in `[0, π/2]`, distances in metres.
 
 mod arctangent;
+mod hull;
 mod level;
 mod line;
 mod march;
 mod pyramid;
 mod ray;
 mod runs;
+pub mod study;
 mod sweep;
 
 use std::ops::Range;
@@ -85,6 +87,17 @@ pub trait Horizons: Send + Sync {
     /// # Panics
     /// If an azimuth is not known, or `out` has not `at.len() · azimuths.len()` entries.
     fn elevations(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]);
+
+    /// Whether points see the horizon above an elevation in radians, so that light from there does not reach them.
+    ///
+    /// # Panics
+    /// If the azimuth is not known, or `out` has not an entry for every point.
+    fn hidden(&self, at: Points<'_>, azimuth: usize, elevation: f32, out: &mut [bool]) {
+        let mut horizons = vec![0.0; at.len()];
+        self.elevations(at, azimuth..azimuth + 1, &mut horizons);
+        assert_eq!(out.len(), at.len(), "an entry for every point");
+        out.iter_mut().zip(horizons).for_each(|(hidden, horizon)| *hidden = horizon > elevation);
+    }
 
     /// Work of one receiver under one azimuth, on average over all vertices.
     fn work(&self, azimuth: usize) -> Work;

@@ -14,12 +14,17 @@ use crate::{Azimuth, Horizons, Points, Work};
 /// The paper's number of samples.
 const SAMPLES: usize = 145;
 
+/// Samples between two looks at whether a shadow is settled.
+const AT_ONCE: usize = 12;
+
 /// Horizons by marching: eq. (1) at distances that are spread evenly over the field's longer side, between vertices bilinear.
 pub struct March {
     samples: usize,
     simd: Simd,
     cell: [f32; 2],
     heights: Option<Level>,
+    /// The greatest height in metres.
+    top: f32,
     azimuths: Vec<(Azimuth, Vec<Step>)>,
 }
 
@@ -44,7 +49,7 @@ impl March {
     /// As [`March::new`].
     pub fn on(samples: usize, simd: Simd) -> Self {
         assert!(samples > 0, "at least one sample");
-        March { samples, simd, cell: [1.0; 2], heights: None, azimuths: Vec::new() }
+        March { samples, simd, cell: [1.0; 2], heights: None, top: 0.0, azimuths: Vec::new() }
     }
 
     fn level(&self) -> &Level {
@@ -64,6 +69,7 @@ impl Horizons for March {
             fill(to, |column| from[column]);
         }
         self.heights = Some(level);
+        self.top = field.heights().iter().copied().fold(f32::MIN, f32::max);
         self.cell = field.cell().to_array();
         let longest = (0..2).map(|axis| size[axis] as f64 * f64::from(self.cell[axis])).fold(0.0, f64::max);
         let distances = || (1..=self.samples).map(|sample| (0, longest * sample as f64 / self.samples as f64));
@@ -80,6 +86,28 @@ impl Horizons for March {
             for (index, (_, steps)) in self.azimuths[azimuths.clone()].iter().enumerate() {
                 let elevations = rays.look(steps, Scale::Linear);
                 out[index * at.len() + run.first..][..run.count].copy_from_slice(elevations);
+            }
+        }
+    }
+
+    /// Looks no farther than the light's ray lies below the field's top, nor where all of a run are hidden.
+    fn hidden(&self, at: Points<'_>, azimuth: usize, elevation: f32, out: &mut [bool]) {
+        assert_eq!(out.len(), at.len(), "an entry for every point");
+        let level = self.level();
+        let (_, steps) = &self.azimuths[azimuth];
+        let mut rays = Rays::<2>::new(std::slice::from_ref(level), self.simd);
+        for run in runs(at, level.size) {
+            rays.stand(run, 0);
+            let out = &mut out[run.first..][..run.count];
+            out.fill(false);
+            // The steepest that anything at a distance could be seen under.
+            let rise = self.top - rays.lowest(0);
+            for near in steps.chunks(AT_ONCE) {
+                if out.iter().all(|hidden| *hidden) || rise * near[0].inverse <= elevation.tan() {
+                    break;
+                }
+                let seen = rays.look(near, Scale::Linear).iter();
+                out.iter_mut().zip(seen).for_each(|(hidden, horizon)| *hidden |= *horizon > elevation);
             }
         }
     }

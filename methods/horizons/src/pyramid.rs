@@ -7,8 +7,7 @@ use halflight_sh_kernels::Simd;
 use rayon::prelude::*;
 
 use crate::level::{Decimation, Level, fill};
-use crate::line::Line;
-use crate::ray::{Rays, Step, steps};
+use crate::ray::{Rays, Step, sample, steps};
 use crate::runs::runs;
 use crate::{Azimuth, Horizons, Points, Purpose, Work};
 
@@ -45,7 +44,10 @@ pub enum Storage {
     /// Levels stay decimated and are reconstructed where they are looked at: about 3.4 times the field's size at 4 levels an
     /// octave.
     Decimated,
-    /// Every level is brought back to the field's resolution once and is looked at bilinearly, as the paper's GPU does.
+    /// Every level is brought back once to at least twice its own resolution, by a power of two of the field's, and looked at
+    /// bilinearly ("multiple image arrays", §6): about 11 times.
+    Octaves,
+    /// Every level is brought back to the field's resolution, as the paper's GPU does: once a level.
     Full,
 }
 
@@ -65,7 +67,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         let reconstruction = Reconstruction { scale: Scale::BSpline, plane: Plane::BSpline };
-        Settings { levels_per_octave: 4, offset: 2.0, reconstruction, storage: Storage::Decimated }
+        Settings { levels_per_octave: 4, offset: 2.0, reconstruction, storage: Storage::Octaves }
     }
 }
 
@@ -125,7 +127,7 @@ impl Pyramid {
     fn look(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32], scale: impl Fn(Azimuth) -> Scale) {
         assert_eq!(out.len(), at.len() * azimuths.len(), "an entry for every point and azimuth");
         match (self.settings.storage, self.settings.reconstruction.plane) {
-            (Storage::Full, _) => self.over::<2>(&self.full, at, azimuths, out, scale),
+            (Storage::Octaves | Storage::Full, _) => self.over::<2>(&self.full, at, azimuths, out, scale),
             (Storage::Decimated, Plane::Bilinear) => self.over::<2>(&self.levels, at, azimuths, out, scale),
             (Storage::Decimated, Plane::BSpline) => self.over::<4>(&self.levels, at, azimuths, out, scale),
         }
@@ -179,6 +181,7 @@ impl Pyramid {
             (0..spacing.levels).map(|level| Level::new([samples(level, 0), samples(level, 1)], size)).collect();
         self.full = match self.settings.storage {
             Storage::Decimated => Vec::new(),
+            Storage::Octaves => self.levels.iter().map(|level| Level::octave(level, size)).collect(),
             Storage::Full => self.levels.iter().map(|_| Level::new(size, size)).collect(),
         };
         self.azimuths.clear();
@@ -225,19 +228,15 @@ impl Pyramid {
         self.bring_back();
     }
 
-    /// Every level at the field's resolution.
+    /// Every level at the resolution that it is looked at with.
     fn bring_back(&mut self) {
         let simd = self.simd;
         for (level, full) in self.levels.iter().zip(&mut self.full) {
-            let (rows, stride) = (0..full.size[1], full.stride());
+            let (rows, stride, scale) = (0..full.size[1], full.stride(), full.scale);
             let all = full.rows_mut(&rows).par_chunks_mut(stride).enumerate();
             match self.settings.reconstruction.plane {
-                Plane::Bilinear => {
-                    all.for_each(|(row, to)| crate::ray::sample(Line::<2>::new(level, 0.0, row as f64), simd, to))
-                }
-                Plane::BSpline => {
-                    all.for_each(|(row, to)| crate::ray::sample(Line::<4>::new(level, 0.0, row as f64), simd, to))
-                }
+                Plane::Bilinear => all.for_each(|(row, to)| sample::<2>(level, scale, row, simd, to)),
+                Plane::BSpline => all.for_each(|(row, to)| sample::<4>(level, scale, row, simd, to)),
             }
         }
     }

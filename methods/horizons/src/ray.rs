@@ -8,6 +8,9 @@ use crate::line::{Line, load, store};
 use crate::pyramid::Scale;
 use crate::runs::{RUN, Run};
 
+/// A run's entries and those that a register may write beyond.
+const ROOM: usize = RUN + 16;
+
 /// A height difference to take.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
@@ -38,133 +41,121 @@ pub(crate) struct Rays<'l, const T: usize> {
     run: Run,
     /// The receivers' heights, [`RUN`] a level.
     own: Vec<f32>,
-    lines: Vec<Line<'l, T>>,
-    elevations: Box<[f32; RUN + 16]>,
+    /// Tangents of a look, [`RUN`] a step.
+    tangents: Vec<f32>,
+    elevations: Box<[f32; ROOM]>,
 }
 
 impl<'l, const T: usize> Rays<'l, T> {
     pub(crate) fn new(levels: &'l [Level], simd: Simd) -> Self {
         let own = vec![0.0; RUN * levels.len() + 16];
         let nowhere = Run { start: [0.0; 2], first: 0, count: 0 };
-        Rays { levels, simd, run: nowhere, own, lines: Vec::new(), elevations: Box::new([0.0; RUN + 16]) }
+        Rays { levels, simd, run: nowhere, own, tangents: Vec::new(), elevations: Box::new([0.0; ROOM]) }
     }
 
     /// Goes to receivers; only the levels from `first` on will be asked.
     pub(crate) fn stand(&mut self, at: Run, first: usize) {
         self.run = at;
-        let [x, y] = at.start;
-        self.lines.clear();
-        self.lines.extend(self.levels[first..].iter().map(|level| Line::new(level, x, y)));
-        run(self.simd, Stand { lines: &self.lines, count: at.count, own: &mut self.own[first * RUN..] });
+        run(self.simd, Stand::<T> { levels: &self.levels[first..], run: at, own: &mut self.own[first * RUN..] });
+    }
+
+    /// The least of the receivers' heights in metres in a level.
+    pub(crate) fn lowest(&self, level: usize) -> f32 {
+        self.own[level * RUN..][..self.run.count].iter().copied().fold(f32::MAX, f32::min)
     }
 
     /// Elevations of the receivers' horizon over the steps of an azimuth, within `[0, π/2]`.
     pub(crate) fn look(&mut self, steps: &[Step], scale: Scale) -> &[f32] {
-        let [x, y] = self.run.start;
-        self.lines.clear();
-        self.lines.extend(
-            steps.iter().map(|step| Line::new(&self.levels[step.level], x + step.offset[0], y + step.offset[1])),
-        );
-        let look = Look {
-            lines: &self.lines,
+        self.tangents.resize(steps.len() * RUN + 16, 0.0);
+        let look = Look::<T> {
+            levels: self.levels,
+            run: self.run,
             steps,
             own: &self.own,
-            count: self.run.count,
             scale,
-            out: &mut self.elevations[..],
+            tangents: &mut self.tangents,
+            out: &mut self.elevations,
         };
         run(self.simd, look);
         &self.elevations[..self.run.count]
     }
 }
 
-/// The numbers of lanes.
-const NUMBERS: [f32; 16] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
-
-struct Stand<'a, 'l, const T: usize> {
-    lines: &'a [Line<'l, T>],
-    count: usize,
+struct Stand<'a, const T: usize> {
+    levels: &'a [Level],
+    run: Run,
     own: &'a mut [f32],
 }
 
-impl<const T: usize> Task<f32> for Stand<'_, '_, T> {
+impl<const T: usize> Task<f32> for Stand<'_, T> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
-        let numbers = V::load(&NUMBERS, 0);
-        for (level, line) in self.lines.iter().enumerate() {
-            for receiver in (0..self.count).step_by(V::WIDTH) {
-                store(line.heights(receiver, numbers), self.own, level * RUN + receiver);
-            }
+        let [x, y] = self.run.start;
+        for (number, level) in self.levels.iter().enumerate() {
+            Line::<T>::new(level, x, y).write::<V>(self.run.count, &[0.0; ROOM], 1.0, &mut self.own[number * RUN..]);
         }
     }
 }
 
-struct Look<'a, 'l, const T: usize> {
-    lines: &'a [Line<'l, T>],
+struct Look<'a, const T: usize> {
+    levels: &'a [Level],
+    run: Run,
     steps: &'a [Step],
     own: &'a [f32],
-    count: usize,
     scale: Scale,
-    out: &'a mut [f32],
+    tangents: &'a mut [f32],
+    out: &'a mut [f32; ROOM],
 }
 
-impl<const T: usize> Task<f32> for Look<'_, '_, T> {
+impl<const T: usize> Task<f32> for Look<'_, T> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
+        let [x, y] = self.run.start;
+        let count = self.run.count;
+        for (number, step) in self.steps.iter().enumerate() {
+            let line = Line::<T>::new(&self.levels[step.level], x + step.offset[0], y + step.offset[1]);
+            line.write::<V>(count, &self.own[step.level * RUN..], step.inverse, &mut self.tangents[number * RUN..]);
+        }
         let (zero, right) = (V::constant(0.0), V::splat(std::f32::consts::FRAC_PI_2));
-        for receiver in (0..self.count).step_by(V::WIDTH) {
+        for receiver in (0..count).step_by(V::WIDTH) {
             let elevation = match self.scale {
-                Scale::Linear => arctangent(self.steepest::<V>(receiver)),
-                Scale::BSpline => self.smooth::<V>(receiver),
+                Scale::Linear => arctangent(steepest::<V>(self.tangents, self.steps.len(), receiver)),
+                Scale::BSpline => smooth::<V>(self.tangents, self.steps.len(), receiver),
             };
             store(elevation.max(zero).min(right), self.out, receiver);
         }
     }
 }
 
-impl<const T: usize> Look<'_, '_, T> {
-    /// The multi-scale derivative (eq. 2) of a step.
-    #[inline(always)]
-    fn tangent<V: Lanes<Scalar = f32>>(&self, index: usize, receiver: usize, numbers: V) -> V {
-        let step = &self.steps[index];
-        let own = load::<V>(self.own, step.level * RUN + receiver);
-        self.lines[index].heights(receiver, numbers).sub(own).mul(V::splat(step.inverse))
+/// The greatest tangent, at least 0: what is linear between knots is greatest at one, and the arctangent is monotonic.
+#[inline(always)]
+fn steepest<V: Lanes<Scalar = f32>>(tangents: &[f32], steps: usize, receiver: usize) -> V {
+    let mut steepest = V::constant(0.0);
+    for step in 0..steps {
+        steepest = load::<V>(tangents, step * RUN + receiver).max(steepest);
     }
+    steepest
+}
 
-    /// The greatest tangent, at least 0: what is linear between knots is greatest at one, and the arctangent is monotonic.
-    #[inline(always)]
-    fn steepest<V: Lanes<Scalar = f32>>(&self, receiver: usize) -> V {
-        let numbers = V::load(&NUMBERS, 0);
-        let mut steepest = V::constant(0.0);
-        for index in 0..self.steps.len() {
-            steepest = self.tangent::<V>(index, receiver, numbers).max(steepest);
+/// The greatest value at knots and half knots of the B-spline over the steps' angles (eqs. 3 to 5). At either end of scale
+/// the last angle is repeated once, so that the spline covers all knots.
+#[inline(always)]
+fn smooth<V: Lanes<Scalar = f32>>(tangents: &[f32], steps: usize, receiver: usize) -> V {
+    let first = arctangent(load::<V>(tangents, receiver));
+    let (mut before, mut low, mut high) = (first, first, first);
+    let mut greatest = V::constant(0.0);
+    for step in 1..steps {
+        let next = arctangent(load::<V>(tangents, step * RUN + receiver));
+        if step > 1 {
+            greatest = half_knot(before, low, high, next).max(greatest);
         }
-        steepest
+        greatest = knot(low, high, next).max(greatest);
+        (before, low, high) = (low, high, next);
     }
-
-    /// The greatest value at knots and half knots of the B-spline over the steps' angles (eqs. 3 to 5). At either end of scale
-    /// the last angle is repeated once, so that the spline covers all knots.
-    #[inline(always)]
-    fn smooth<V: Lanes<Scalar = f32>>(&self, receiver: usize) -> V {
-        let numbers = V::load(&NUMBERS, 0);
-        let first = arctangent(self.tangent::<V>(0, receiver, numbers));
-        let mut last = [first, first, first];
-        let mut greatest = V::constant(0.0);
-        let count = self.steps.len();
-        for index in 1..=count {
-            let next = match index < count {
-                true => arctangent(self.tangent::<V>(index, receiver, numbers)),
-                false => last[2],
-            };
-            let [before, low, high] = last;
-            if index > 1 {
-                greatest = half_knot(before, low, high, next).max(greatest);
-            }
-            greatest = knot(low, high, next).max(greatest);
-            last = [low, high, next];
-        }
-        greatest
+    if steps > 1 {
+        greatest = half_knot(before, low, high, high).max(greatest);
     }
+    knot(low, high, high).max(greatest)
 }
 
 /// The B-spline at the middle one of three.
@@ -179,23 +170,27 @@ fn half_knot<V: Lanes<Scalar = f32>>(before: V, low: V, high: V, after: V) -> V 
     before.add(after).mul_add(V::constant(1.0 / 48.0), low.add(high).mul(V::constant(23.0 / 48.0)))
 }
 
-/// All heights of a line, into a row with its padding.
-pub(crate) fn sample<const T: usize>(line: Line<'_, T>, simd: Simd, padded: &mut [f32]) {
-    run(simd, Sample { line, padded });
+/// A padded row of `to`: a level at its samples' centres in row `row`.
+pub(crate) fn sample<const T: usize>(from: &Level, scale: [f64; 2], row: usize, simd: Simd, padded: &mut [f32]) {
+    run(simd, Sample::<T> { from, scale, row, padded });
 }
 
-struct Sample<'a, 'l, const T: usize> {
-    line: Line<'l, T>,
+struct Sample<'a, const T: usize> {
+    from: &'a Level,
+    scale: [f64; 2],
+    row: usize,
     padded: &'a mut [f32],
 }
 
-impl<const T: usize> Task<f32> for Sample<'_, '_, T> {
+impl<const T: usize> Task<f32> for Sample<'_, T> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
-        let numbers = V::load(&NUMBERS, 0);
+        // The level as one of the other grid, whose samples stand for vertices.
+        let scale = [0, 1].map(|axis| self.from.scale[axis] / self.scale[axis]);
         let count = self.padded.len() - 2 * PAD;
-        for receiver in (0..count).step_by(V::WIDTH) {
-            store(self.line.heights(receiver, numbers), self.padded, PAD + receiver);
+        for first in (0..count).step_by(RUN) {
+            let line = Line::<T>::seen(self.from, scale, first as f64, self.row as f64);
+            line.write::<V>(RUN.min(count - first), &[0.0; ROOM], 1.0, &mut self.padded[PAD + first..]);
         }
         pad(self.padded);
     }

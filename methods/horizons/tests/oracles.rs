@@ -31,7 +31,7 @@ fn all_variants() -> Vec<Settings> {
     let scales = [Scale::Linear, Scale::BSpline];
     let planes = [Plane::Bilinear, Plane::BSpline];
     let both = |storage| scales.into_iter().flat_map(move |s| planes.into_iter().map(move |p| each(s, p, storage)));
-    both(Storage::Decimated).chain(both(Storage::Full)).collect()
+    [Storage::Decimated, Storage::Octaves, Storage::Full].into_iter().flat_map(both).collect()
 }
 
 /// Elevation at a point.
@@ -89,6 +89,24 @@ fn march_and_sweep_match_the_trench() {
         for (found, slack) in found {
             assert!((found - expected).abs() < slack, "{azimuth:?}: {found} for {expected}");
         }
+    }
+}
+
+#[test]
+fn a_shadow_begins_where_the_horizon_is_above_the_light() {
+    let size = [70, 50];
+    let rough = field(size, |i, j| 6.0 * (i * 0.37).sin() * (j * 0.23).cos() + (i * j * 0.7).sin());
+    let mut march = March::default();
+    march.update(&rough, &[key(0.4), key(2.5)]);
+    let vertices = || (0..size[1]).flat_map(|j| (0..size[0]).map(move |i| [i as f32, j as f32]));
+    let (x, y): (Vec<f32>, Vec<f32>) = vertices().map(|[x, y]| (x, y)).unzip();
+    for (azimuth, elevation) in [(0, 0.05), (0, 0.6), (1, 0.3), (1, 1.2)] {
+        let mut hidden = vec![true; x.len()];
+        march.hidden(Points { x: &x, y: &y }, azimuth, elevation, &mut hidden);
+        let expected: Vec<bool> =
+            everywhere(&march, size, azimuth).iter().map(|horizon| *horizon > elevation).collect();
+        assert!(elevation > 1.0 || expected.iter().any(|hidden| *hidden));
+        assert_eq!(hidden, expected, "{azimuth}, {elevation}");
     }
 }
 
