@@ -10,6 +10,8 @@ mod proxies;
 mod series;
 mod speed;
 
+pub(crate) use cuts::Seams;
+
 use super::row::Row;
 use crate::Error;
 
