@@ -199,7 +199,8 @@ fn ticks(low: f64, high: f64) -> Vec<f64> {
 /// Logarithms of 1, 2 and 5 times powers of ten; of the powers alone over more than three of them.
 fn powers(low: f64, high: f64) -> Vec<f64> {
     let steps: &[f64] = if high - low > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-    let all = (low.floor() as i32..=high.ceil() as i32).flat_map(|p| steps.iter().map(move |s| f64::from(p) + s.log10()));
+    let all =
+        (low.floor() as i32..=high.ceil() as i32).flat_map(|p| steps.iter().map(move |s| f64::from(p) + s.log10()));
     all.filter(|tick| (low..=high).contains(tick)).collect()
 }
 
@@ -219,7 +220,8 @@ mod tests {
             let ticks = ticks(low, high);
             assert!((4..=10).contains(&ticks.len()) && ticks.iter().all(|t| (low..=high).contains(t)), "{ticks:?}");
         }
-        let values: Vec<f64> = powers(-1.5, 1.1).iter().map(|tick| (100.0 * 10f64.powf(*tick)).round() / 100.0).collect();
+        let values: Vec<f64> =
+            powers(-1.5, 1.1).iter().map(|tick| (100.0 * 10f64.powf(*tick)).round() / 100.0).collect();
         assert_eq!(values, [0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0]);
     }
 
