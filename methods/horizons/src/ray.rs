@@ -218,3 +218,61 @@ impl<const T: usize> Task<f32> for Sample<'_, T> {
         pad(self.padded);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `smooth` of some angles, as every receiver of a register sees it.
+    struct Smooth<'a>(&'a [f64], &'a mut f32);
+
+    impl Task<f32> for Smooth<'_> {
+        #[inline(always)]
+        fn run<V: Lanes<Scalar = f32>>(self) {
+            let mut tangents = vec![0.0; self.0.len() * RUN + 16];
+            for (step, angle) in self.0.iter().enumerate() {
+                tangents[step * RUN..][..16].fill(angle.tan() as f32);
+            }
+            *self.1 = smooth::<V>(&tangents, self.0.len(), 0).first();
+        }
+    }
+
+    /// The cubic B-spline over angles of which the last at either end is repeated (eq. 4), by its basis functions.
+    fn spline(angles: &[f64], at: f64) -> f64 {
+        let angle = |i: i64| angles[i.clamp(0, angles.len() as i64 - 1) as usize];
+        let u = at.fract();
+        let basis = [
+            (1.0 - u).powi(3) / 6.0,
+            (3.0 * u.powi(3) - 6.0 * u * u + 4.0) / 6.0,
+            (-3.0 * u.powi(3) + 3.0 * u * u + 3.0 * u + 1.0) / 6.0,
+            u.powi(3) / 6.0,
+        ];
+        (-1..=2).zip(basis).map(|(i, share)| share * angle(at as i64 + i)).sum()
+    }
+
+    #[test]
+    fn the_spline_is_sought_at_knots_and_between() {
+        let lists: [&[f64]; 7] = [
+            &[0.3],
+            &[0.2, 0.9],
+            &[1.1, -0.4],
+            &[-0.2, 0.8, 0.8, -0.1],
+            &[0.1, 0.2, 1.2, 0.1, -0.5],
+            &[-0.3, -0.2, -0.9, -1.0],
+            &[0.0, 0.4, 0.7, 0.75, 0.72, 0.1, 0.9],
+        ];
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+            let mut between = 0;
+            for angles in lists {
+                let halves = 0..=2 * (angles.len() - 1);
+                let at = |half: &usize| spline(angles, *half as f64 / 2.0);
+                let expected = halves.clone().map(|half| at(&half)).fold(0.0, f64::max);
+                between += usize::from(halves.step_by(2).map(|half| at(&half)).fold(0.0, f64::max) < expected);
+                let mut found = 0.0;
+                run(simd, Smooth(angles, &mut found));
+                assert!((f64::from(found) - expected).abs() < 1e-6, "{simd:?}, {angles:?}: {found} for {expected}");
+            }
+            assert!(between > 0, "none is greatest between knots");
+        }
+    }
+}
