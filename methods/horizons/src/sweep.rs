@@ -1,6 +1,7 @@
 //! Convex hulls that grow along parallel lines (Timonen and Westerholm 2010).
 
 use std::ops::Range;
+use std::sync::LazyLock;
 
 use halflight_scenes::HeightField;
 use halflight_sh_kernels::Simd;
@@ -52,25 +53,29 @@ impl Horizons for Sweep {
     fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) {
         let (size, simd) = ([field.columns(), field.rows()], self.simd);
         let cell = field.cell().to_array();
-        let same = self.size == size && self.cell == cell && self.heights == field.heights();
-        let angles = |azimuth: &Azimuth| azimuth.angle;
-        if same && self.maps.iter().map(|(azimuth, _)| angles(azimuth)).eq(azimuths.iter().map(angles)) {
-            return;
+        if self.size != size || self.cell != cell || self.heights != field.heights() {
+            (self.size, self.cell) = (size, cell);
+            self.heights.clear();
+            self.heights.extend_from_slice(field.heights());
+            self.maps.clear();
         }
-        (self.size, self.cell) = (size, cell);
-        self.heights.clear();
-        self.heights.extend_from_slice(field.heights());
+        let mut known = std::mem::take(&mut self.maps);
+        let kept = azimuths.iter().map(|azimuth| {
+            let place = known.iter().position(|(known, _)| known.angle == azimuth.angle);
+            (*azimuth, place.map(|place| known.swap_remove(place).1))
+        });
+        let maps: Vec<(Azimuth, Option<Vec<f32>>)> = kept.collect();
         let heights = &self.heights;
-        let turned = transposed(heights, size);
-        let sweep = |azimuth: &Azimuth| {
+        let turned = LazyLock::new(|| transposed(heights, size));
+        let sweep = |azimuth: Azimuth| {
             let [x, y] = direction(azimuth.angle, cell);
-            let map = match x.abs() >= y.abs() {
-                true => transposed(&Lines::new([size[0], size[1]], [x, y]).horizons(&turned, simd), [size[1], size[0]]),
+            match x.abs() >= y.abs() {
+                true => transposed(&Lines::new(size, [x, y]).horizons(&turned, simd), [size[1], size[0]]),
                 false => Lines::new([size[1], size[0]], [y, x]).horizons(heights, simd),
-            };
-            (*azimuth, map)
+            }
         };
-        self.maps = azimuths.par_iter().map(sweep).collect();
+        let all = maps.into_par_iter().map(|(azimuth, map)| (azimuth, map.unwrap_or_else(|| sweep(azimuth))));
+        self.maps = all.collect();
     }
 
     fn elevations(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]) {

@@ -154,6 +154,11 @@ proptest! {
             kept.update(&later, &[key(0.7), key(2.0)]);
             fresh.update(&later, &[key(0.7), key(2.0)]);
             prop_assert_eq!(everywhere(&*kept, size, 2), everywhere(&*fresh, size, 2));
+            // Light that turns: one azimuth stays, in another place.
+            kept.update(&later, &[key(2.0), key(1.1)]);
+            fresh.update(&field, &[]);
+            fresh.update(&later, &[key(2.0), key(1.1)]);
+            prop_assert_eq!(everywhere(&*kept, size, 2), everywhere(&*fresh, size, 2));
         }
     }
 
