@@ -139,3 +139,103 @@ fn turned(order: usize, [even, odd]: &[[Block<f32>; 4]; 2], out: &mut [f32]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, TAU};
+
+    use halflight_sh::{MAX_ORDER, rotate_z};
+
+    use super::*;
+    use crate::swath::Swath;
+    use crate::wedge::Projector;
+
+    const RECEIVERS: usize = 37;
+
+    /// Horizons between 0 and the zenith, smooth and jagged ones, flat ones, walls.
+    fn horizons(azimuths: usize) -> Vec<f32> {
+        let at = |azimuth: usize, receiver: usize| match receiver {
+            0 => 0.0,
+            1 => FRAC_PI_2,
+            2 => FRAC_PI_2 * (azimuth % 2) as f64,
+            _ => {
+                let wave = |phase: f64| (0.61 * (receiver * (azimuth + 3)) as f64 + phase).sin();
+                (0.6 + 0.5 * wave(1.0) + 0.4 * wave(2.0) * wave(3.0)).clamp(0.0, FRAC_PI_2)
+            }
+        };
+        (0..azimuths).flat_map(|azimuth| (0..RECEIVERS).map(move |receiver| at(azimuth, receiver) as f32)).collect()
+    }
+
+    /// The sum of exact wedges, each turned by itself.
+    fn exact(order: usize, swath: &Swath, horizons: &[f32], receiver: usize) -> Vec<f64> {
+        let size = coefficients(order);
+        let (mut sum, mut wedge, mut turned) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
+        let angle = |azimuth: usize| f64::from(horizons[azimuth * RECEIVERS + receiver]).min(FRAC_PI_2);
+        let mut add = |origin: f64, extent: f64, from: f64, to: f64| {
+            let projector = Projector::new(order, extent);
+            projector.project(from, &projector.ramp(to - from), &mut wedge);
+            rotate_z(order, origin, &wedge, &mut turned);
+            sum.iter_mut().zip(&turned).for_each(|(sum, value)| *sum += value);
+        };
+        let at = |azimuth: usize| swath.first + azimuth as f64 * swath.step;
+        for start in 0..swath.count - usize::from(!swath.complete) {
+            add(at(start), swath.step, angle(start), angle((start + 1) % swath.count));
+        }
+        if !swath.complete {
+            let last = swath.count - 1;
+            add(at(0) - 0.5 * swath.step, 0.5 * swath.step, FRAC_PI_2, angle(0));
+            add(at(last), 0.5 * swath.step, angle(last), FRAC_PI_2);
+        }
+        sum
+    }
+
+    fn summed(simd: Simd, tables: &Wedges, wedges: &[Wedge], horizons: &[f32]) -> Vec<f32> {
+        let mut places = Places::default();
+        places.set(simd, RECEIVERS, horizons);
+        let mut out = vec![f32::NAN; RECEIVERS * coefficients(tables.order)];
+        sum(simd, tables, wedges, &places, &mut out);
+        out
+    }
+
+    /// The sums of the paper's tables, and their instructions' twins.
+    #[test]
+    fn sums_by_table_are_those_of_exact_wedges() {
+        for order in 2..=MAX_ORDER {
+            // Sums of smaller swaths, of at most a right angle, have smaller errors.
+            for (swath, bound) in [
+                (Swath::complete(16), if order <= 4 { 2e-5 } else { 5e-5 }),
+                (Swath::complete(5), if order <= 4 { 4e-5 } else { 1.5e-4 }),
+                (Swath::partial(0.7, TAU / 4.0, 3), if order <= 4 { 2e-5 } else { 5e-5 }),
+                (Swath::partial(-2.0, TAU / 32.0, 1), 2e-5),
+            ] {
+                let tables = Wedges::new(order, swath.step, !swath.complete);
+                let (wedges, horizons) = (swath.wedges(order), horizons(swath.count));
+                let best = summed(Simd::best(), &tables, &wedges, &horizons);
+                let mut worst = 0.0f64;
+                for (receiver, found) in best.chunks_exact(coefficients(order)).enumerate() {
+                    let expected = exact(order, &swath, &horizons, receiver);
+                    let apart = found.iter().zip(&expected).map(|(found, want)| (f64::from(*found) - want).abs());
+                    worst = apart.fold(worst, f64::max);
+                }
+                assert!(worst < bound, "order {order}, {swath:?}: {worst}");
+                for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+                    let twin = summed(simd, &tables, &wedges, &horizons);
+                    let apart = best.iter().zip(&twin).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                    assert!(apart < 2e-6, "order {order}, {simd:?}: {apart}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_elevation_is_moved_to_the_ends() {
+        let mut places = Places::default();
+        let odd = [f32::NAN, -1.0, 7.0, f32::INFINITY];
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+            places.set(simd, odd.len(), &odd);
+            let found: Vec<(usize, f32)> = (0..odd.len()).map(|receiver| places.at(0, receiver)).collect();
+            let last = (ELEVATIONS - 2, 1.0);
+            assert_eq!(found, [(0, 0.0), (0, 0.0), last, last]);
+        }
+    }
+}
