@@ -50,7 +50,7 @@ fn section(page: &mut String, row: &Row, figures: &[&Measured]) {
         let interval = figure.interval.map_or("–".to_owned(), |[low, high]| {
             if low == high { "–".to_owned() } else { format!("{} to {}", number(low), number(high)) }
         });
-        let (quantity, ours) = (&figure.quantity, with_unit(figure));
+        let (quantity, ours) = (&figure.quantity, value(figure.value, &figure.unit));
         let _ = writeln!(page, "| {quantity} | {printed} | {ours} | {interval} | {} |", figure.samples);
     }
     for (quantity, printed) in row.paper {
@@ -66,9 +66,10 @@ fn section(page: &mut String, row: &Row, figures: &[&Measured]) {
     page.push('\n');
 }
 
-fn with_unit(figure: &Measured) -> String {
-    let value = number(figure.value);
-    match figure.unit.as_str() {
+/// A number with its unit.
+pub(crate) fn value(value: f64, unit: &str) -> String {
+    let value = number(value);
+    match unit {
         "" => value,
         unit @ ("%" | "×" | "°") => format!("{value}{unit}"),
         unit => format!("{value} {unit}"),

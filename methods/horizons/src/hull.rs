@@ -1,5 +1,7 @@
 //! Upper convex hulls along parallel lines.
 
+use std::ops::Range;
+
 use halflight_sh_kernels::{Lanes, Simd, Task, run};
 
 use crate::arctangent::arctangent;
@@ -8,7 +10,7 @@ use crate::arctangent::arctangent;
 const GROUP: usize = 16;
 
 /// Parallel lines over a grid. "Along" is the axis that the azimuth is nearer to in grid coordinates, "across" the other: line
-/// `l` passes `i` along at `l + i · slope` across.
+/// `l` passes `i` along at `l + (i − middle) · slope` across, so that turning the field turns the lines.
 pub(crate) struct Lines {
     /// Vertices along and across.
     size: [usize; 2],
@@ -25,10 +27,15 @@ impl Lines {
     /// Lines over `[along, across]` vertices in a direction that advances that much in grid coordinates in a metre.
     pub(crate) fn new(size: [usize; 2], [along, across]: [f64; 2]) -> Self {
         let slope = across / along;
-        let end = -slope * (size[0] - 1) as f64;
-        let first = end.min(0.0).floor() as i64;
-        let last = (end.max(0.0) + (size[1] - 1) as f64).floor() as i64 + 1;
+        let reach = slope.abs() * 0.5 * (size[0] - 1) as f64;
+        let first = (-reach).floor() as i64;
+        let last = (reach + (size[1] - 1) as f64).floor() as i64 + 1;
         Lines { size, slope, inverse: along, first, count: (last - first + 1) as usize }
+    }
+
+    /// How far lines have come across where they are at `i` along.
+    fn shift(&self, i: usize) -> f64 {
+        (i as f64 - 0.5 * (self.size[0] - 1) as f64) * self.slope
     }
 
     /// Elevations at all vertices. What is next to each other across is so in memory, of the heights and of the result.
@@ -42,6 +49,8 @@ impl Lines {
             self.sample(heights, group, &mut lines);
             for (line, samples) in lines.chunks_exact_mut(along).enumerate() {
                 let within = self.within(self.first + (group + line) as i64);
+                samples[..within.start].fill(0.0);
+                samples[within.end..].fill(0.0);
                 sweep(&mut samples[within], self.inverse as f32, &mut hull);
             }
             run(simd, Elevations(&mut lines));
@@ -54,7 +63,7 @@ impl Lines {
         let mut map = vec![0.0; along * across];
         for (i, (swept, map)) in swept.chunks_exact(stride).zip(map.chunks_exact_mut(across)).enumerate() {
             // A vertex lies between two lines and takes a mean of theirs.
-            let shift = -(i as f64) * self.slope;
+            let shift = -self.shift(i);
             let share = (shift - shift.floor()) as f32;
             let swept = &swept[(shift.floor() as i64 - self.first) as usize..];
             for ((map, low), high) in map.iter_mut().zip(swept).zip(&swept[1..]) {
@@ -64,14 +73,20 @@ impl Lines {
         map
     }
 
-    /// Where a line crosses the field or passes within a cell of it, as its vertices' means ask.
-    fn within(&self, line: i64) -> std::ops::Range<usize> {
+    /// Where a line crosses the field. On its way in it counts from a cell before the border on, with the border drawn out, as
+    /// vertices there take a mean with it; on its way out it ends at the border, beyond which nothing is seen.
+    fn within(&self, line: i64) -> Range<usize> {
+        /// In cells: what rounding takes off the border is on it.
+        const NEAR: f64 = 1e-9;
         let [along, across] = self.size.map(|count| count as f64);
-        let (line, slope) = (line as f64, self.slope);
-        if slope.abs() * along < 1e-9 {
-            return if line > -1.0 && line < across { 0..self.size[0] } else { 0..0 };
+        let (start, slope) = (line as f64 + self.shift(0), self.slope);
+        let climb = slope * self.inverse;
+        let bottom = if climb > 0.0 { -1.0 } else { -NEAR };
+        let top = if climb < 0.0 { across } else { across - 1.0 + NEAR };
+        if slope.abs() * along < NEAR {
+            return if start > bottom && start < top { 0..self.size[0] } else { 0..0 };
         }
-        let ends = [(-1.0 - line) / slope, (across - line) / slope];
+        let ends = [(bottom - start) / slope, (top - start) / slope];
         let low = (ends[0].min(ends[1]).floor() + 1.0).clamp(0.0, along);
         let high = ends[0].max(ends[1]).ceil().clamp(low, along);
         low as usize..high as usize
@@ -82,7 +97,7 @@ impl Lines {
         let [along, across] = self.size;
         let last = across as i64 - 1;
         for (i, heights) in heights.chunks_exact(across).enumerate() {
-            let shift = i as f64 * self.slope;
+            let shift = self.shift(i);
             let share = (shift - shift.floor()) as f32;
             let first = self.first + group as i64 + shift.floor() as i64;
             let mix = |low: f32, high: f32| low + share * (high - low);

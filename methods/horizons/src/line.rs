@@ -59,6 +59,7 @@ impl<'l, const T: usize> Line<'l, T> {
     /// From a point in grid coordinates of the field on, which may lie outside.
     #[inline(always)]
     pub(crate) fn new(level: &'l Level, x: f64, y: f64) -> Self {
+        let [x, y] = [(x, 0), (y, 1)].map(|(at, axis)| at + level.shift[axis] / level.scale[axis]);
         Self::seen(level, level.scale, x, y)
     }
 
@@ -86,13 +87,14 @@ impl<'l, const T: usize> Line<'l, T> {
     #[inline(always)]
     pub(crate) fn write<V: Lanes<Scalar = f32>>(&self, count: usize, minus: &[f32], times: f32, out: &mut [f32]) {
         let width = V::WIDTH as f32;
+        let near = (width - 1.0) * self.step + T as f32 <= 15.0;
         if self.step == 1.0 {
             let along = shares::<V, T>(V::splat(self.fraction));
             for receiver in (0..count).step_by(V::WIDTH) {
                 let height: V = self.shifted(self.inside(receiver as isize), along);
                 store(height.sub(load(minus, receiver)).mul(V::splat(times)), out, receiver);
             }
-        } else if (width * self.step).fract() == 0.0 {
+        } else if near && (width * self.step).fract() == 0.0 {
             // Every register's receivers lie among their samples as the first's do.
             let (sample, along) = self.among(self.fraction);
             for receiver in (0..count).step_by(V::WIDTH) {
@@ -106,7 +108,7 @@ impl<'l, const T: usize> Line<'l, T> {
                 let whole = start.floor();
                 let (sample, along) = self.among(start - whole);
                 let first = self.inside(whole as isize);
-                let height: V = match (width - 1.0) * self.step + T as f32 <= 15.0 {
+                let height: V = match near {
                     true => self.picked(first, sample, along),
                     false => self.picked_apart(first, sample, along),
                 };

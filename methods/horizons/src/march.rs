@@ -5,7 +5,7 @@ use std::ops::Range;
 use halflight_scenes::HeightField;
 use halflight_sh_kernels::Simd;
 
-use crate::level::{Level, fill};
+use crate::level::Level;
 use crate::pyramid::Scale;
 use crate::ray::{Rays, Step, steps};
 use crate::runs::runs;
@@ -62,12 +62,7 @@ impl Horizons for March {
         let size = [field.columns(), field.rows()];
         let old = self.heights.take().filter(|level| level.size == size);
         let mut level = old.unwrap_or_else(|| Level::new(size, size));
-        let stride = level.stride();
-        for (to, from) in
-            level.rows_mut(&(0..size[1])).chunks_exact_mut(stride).zip(field.heights().chunks_exact(size[0]))
-        {
-            fill(to, |column| from[column]);
-        }
+        level.copy(field, &(0..size[1]));
         self.heights = Some(level);
         self.top = field.heights().iter().copied().fold(f32::MIN, f32::max);
         self.cell = field.cell().to_array();

@@ -6,8 +6,8 @@ use halflight_scenes::HeightField;
 use halflight_sh_kernels::Simd;
 use rayon::prelude::*;
 
-use crate::level::{Decimation, Level, fill};
-use crate::ray::{Rays, Step, sample, steps};
+use crate::level::Level;
+use crate::ray::{Grid, Rays, Step, sample, steps};
 use crate::runs::runs;
 use crate::{Azimuth, Horizons, Points, Purpose, Work};
 
@@ -45,7 +45,7 @@ pub enum Storage {
     /// octave.
     Decimated,
     /// Every level is brought back once to at least twice its own resolution, by a power of two of the field's, and looked at
-    /// bilinearly ("multiple image arrays", §6): about 11 times.
+    /// bilinearly ("multiple image arrays", §6): about 14 times.
     Octaves,
     /// Every level is brought back to the field's resolution, as the paper's GPU does: once a level.
     Full,
@@ -167,6 +167,15 @@ impl Pyramid {
         finest == Some([field.columns(), field.rows()]) && self.cell == field.cell().to_array()
     }
 
+    /// The rows from the first to the last that differ from the finest level's.
+    fn changed(&self, field: &HeightField) -> Option<Range<usize>> {
+        let finest = &self.levels[self.levels.len() - 1];
+        let differs = |row: &usize| finest.row(*row) != &field.heights()[row * field.columns()..][..field.columns()];
+        let mut rows = (0..field.rows()).filter(differs);
+        let first = rows.next()?;
+        Some(first..rows.next_back().unwrap_or(first) + 1)
+    }
+
     /// Levels for a field's grid.
     fn shape(&mut self, field: &HeightField) {
         self.cell = field.cell().to_array();
@@ -199,46 +208,31 @@ impl Pyramid {
 
     /// Takes the rows of heights that differ, and makes again what depends on them.
     fn take(&mut self, field: &HeightField, mut rows: Range<usize>) {
-        let columns = field.columns();
-        let mut finer: Option<usize> = None;
         for index in (0..self.levels.len()).rev() {
-            let (coarser, rest) = self.levels.split_at_mut(index + 1);
+            let (coarser, finer) = self.levels.split_at_mut(index + 1);
             let level = &mut coarser[index];
-            let stride = level.stride();
-            match finer {
-                None => {
-                    let all = level.rows_mut(&rows).par_chunks_mut(stride).enumerate();
-                    all.for_each(|(row, to)| {
-                        let from = &field.heights()[(rows.start + row) * columns..][..columns];
-                        fill(to, |column| from[column]);
-                    });
-                }
-                Some(_) => {
-                    let from = &rest[0];
-                    rows = level.touched(from, &rows);
-                    let decimation = Decimation::new(from, level);
-                    let all = level.rows_mut(&rows).par_chunks_mut(stride).enumerate();
-                    all.for_each_init(Vec::new, |scratch, (row, to)| {
-                        decimation.row(from, rows.start + row, to, scratch);
-                    });
+            match finer.first() {
+                None => level.copy(field, &rows),
+                Some(finer) => {
+                    rows = level.touched(finer, &rows);
+                    level.decimate(finer, &rows);
                 }
             }
-            finer = Some(index);
+            if let Some(back) = self.full.get_mut(index) {
+                bring_back(level, &rows, self.settings.reconstruction.plane, self.simd, back);
+            }
         }
-        self.bring_back();
     }
+}
 
-    /// Every level at the resolution that it is looked at with.
-    fn bring_back(&mut self) {
-        let simd = self.simd;
-        for (level, full) in self.levels.iter().zip(&mut self.full) {
-            let (rows, stride, scale) = (0..full.size[1], full.stride(), full.scale);
-            let all = full.rows_mut(&rows).par_chunks_mut(stride).enumerate();
-            match self.settings.reconstruction.plane {
-                Plane::Bilinear => all.for_each(|(row, to)| sample::<2>(level, scale, row, simd, to)),
-                Plane::BSpline => all.for_each(|(row, to)| sample::<4>(level, scale, row, simd, to)),
-            }
-        }
+/// Brings what depends on some rows of a level back to the resolution that it is looked at with.
+fn bring_back(level: &Level, rows: &Range<usize>, plane: Plane, simd: Simd, back: &mut Level) {
+    let (stride, grid) = (back.stride(), Grid { scale: back.scale, shift: back.shift });
+    let rows = back.around(level, rows);
+    let all = back.rows_mut(&rows).par_chunks_mut(stride).enumerate();
+    match plane {
+        Plane::Bilinear => all.for_each(|(row, to)| sample::<2>(level, &grid, rows.start + row, simd, to)),
+        Plane::BSpline => all.for_each(|(row, to)| sample::<4>(level, &grid, rows.start + row, simd, to)),
     }
 }
 
@@ -269,14 +263,14 @@ impl Spacing {
 
 impl Horizons for Pyramid {
     fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) {
-        let rows = match self.fits(field) {
+        let changed = match self.fits(field) {
             true => self.changed(field),
             false => {
                 self.shape(field);
-                0..field.rows()
+                Some(0..field.rows())
             }
         };
-        if !rows.is_empty() {
+        if let Some(rows) = changed {
             self.take(field, rows);
         }
         if !self.azimuths.iter().map(|(azimuth, _)| azimuth).eq(azimuths) {
@@ -303,18 +297,5 @@ impl Horizons for Pyramid {
     fn footprint(&self) -> usize {
         let levels = self.levels.iter().chain(&self.full).map(|level| size_of_val(&level.heights[..])).sum::<usize>();
         levels + self.azimuths.iter().map(|(_, steps)| size_of_val(&steps[..])).sum::<usize>()
-    }
-}
-
-impl Pyramid {
-    /// The rows from the first to the last that differ from the finest level's.
-    fn changed(&self, field: &HeightField) -> Range<usize> {
-        let finest = &self.levels[self.levels.len() - 1];
-        let differs = |row: &usize| finest.row(*row) != &field.heights()[row * field.columns()..][..field.columns()];
-        let mut rows = (0..field.rows()).filter(differs);
-        match rows.next() {
-            None => 0..0,
-            Some(first) => first..rows.next_back().unwrap_or(first) + 1,
-        }
     }
 }

@@ -170,14 +170,21 @@ fn half_knot<V: Lanes<Scalar = f32>>(before: V, low: V, high: V, after: V) -> V 
     before.add(after).mul_add(V::constant(1.0 / 48.0), low.add(high).mul(V::constant(23.0 / 48.0)))
 }
 
+/// Where a level's samples lie, see [`Level`].
+#[derive(Clone, Copy)]
+pub(crate) struct Grid {
+    pub(crate) scale: [f64; 2],
+    pub(crate) shift: [f64; 2],
+}
+
 /// A padded row of `to`: a level at its samples' centres in row `row`.
-pub(crate) fn sample<const T: usize>(from: &Level, scale: [f64; 2], row: usize, simd: Simd, padded: &mut [f32]) {
-    run(simd, Sample::<T> { from, scale, row, padded });
+pub(crate) fn sample<const T: usize>(from: &Level, to: &Grid, row: usize, simd: Simd, padded: &mut [f32]) {
+    run(simd, Sample::<T> { from, to, row, padded });
 }
 
 struct Sample<'a, const T: usize> {
     from: &'a Level,
-    scale: [f64; 2],
+    to: &'a Grid,
     row: usize,
     padded: &'a mut [f32],
 }
@@ -186,10 +193,11 @@ impl<const T: usize> Task<f32> for Sample<'_, T> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
         // The level as one of the other grid, whose samples stand for vertices.
-        let scale = [0, 1].map(|axis| self.from.scale[axis] / self.scale[axis]);
+        let scale = [0, 1].map(|axis| self.from.scale[axis] / self.to.scale[axis]);
+        let y = self.row as f64 - self.to.shift[1];
         let count = self.padded.len() - 2 * PAD;
         for first in (0..count).step_by(RUN) {
-            let line = Line::<T>::seen(self.from, scale, first as f64, self.row as f64);
+            let line = Line::<T>::seen(self.from, scale, first as f64 - self.to.shift[0], y);
             line.write::<V>(RUN.min(count - first), &[0.0; ROOM], 1.0, &mut self.padded[PAD + first..]);
         }
         pad(self.padded);

@@ -13,6 +13,8 @@ mod series;
 mod speed;
 mod swaths;
 
+pub(crate) use cuts::Seams;
+
 use super::row::Row;
 use crate::Error;
 
