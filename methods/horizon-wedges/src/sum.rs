@@ -114,9 +114,9 @@ impl Task<f32> for Sum<'_> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
         let LookUp { tables: &Wedges { order, .. }, rows, .. } = self.look_up;
-        let mut sums = [[Block::ZERO; 4]; 2];
+        let mut sums = [[Block::ZERO; 2]; 4];
         for (receiver, out) in self.out.chunks_exact_mut(coefficients(order)).enumerate() {
-            for row in 0..rows {
+            for (row, [cosines, sines]) in sums.iter_mut().enumerate().take(rows) {
                 for part in 0..LANES / V::WIDTH {
                     let (mut even, mut odd) = (V::constant(0.0), V::constant(0.0));
                     for (number, wedge) in self.wedges.iter().enumerate() {
@@ -124,8 +124,8 @@ impl Task<f32> for Sum<'_> {
                         even = value.mul_add(V::load(&wedge.turn[row].0, part), even);
                         odd = value.mul_add(V::load(&wedge.turn[rows + row].0, part), odd);
                     }
-                    even.store(&mut sums[0][row].0, part);
-                    odd.store(&mut sums[1][row].0, part);
+                    even.store(&mut cosines.0, part);
+                    odd.store(&mut sines.0, part);
                 }
             }
             turned(order, &sums, out);
@@ -175,14 +175,14 @@ impl LookUp<'_> {
 /// Turns every wedge by its azimuth at once: with `P = Σ cos mφ · w` and `Q = Σ sin mφ · w`, coefficient `m` becomes `P_m − Q_−m` and
 /// `−m` becomes `P_−m + Q_m`.
 #[inline(always)]
-fn turned(order: usize, [even, odd]: &[[Block<f32>; 4]; 2], out: &mut [f32]) {
-    let at = |sums: &[Block<f32>; 4], i: usize| sums[i / LANES].0[i % LANES];
+fn turned(order: usize, sums: &[[Block<f32>; 2]; 4], out: &mut [f32]) {
+    let at = |i: usize, part: usize| sums[i / LANES][part].0[i % LANES];
     for l in 0..order {
-        out[index(l, 0)] = at(even, index(l, 0));
+        out[index(l, 0)] = at(index(l, 0), 0);
         for m in 1..=l as isize {
             let (minus, plus) = (index(l, -m), index(l, m));
-            out[plus] = at(even, plus) - at(odd, minus);
-            out[minus] = at(even, minus) + at(odd, plus);
+            out[plus] = at(plus, 0) - at(minus, 1);
+            out[minus] = at(minus, 0) + at(plus, 1);
         }
     }
 }
@@ -255,7 +255,7 @@ mod tests {
                 (Swath::partial(0.7, TAU / 4.0, 3), if order <= 4 { 2e-5 } else { 5e-5 }),
                 (Swath::partial(-2.0, TAU / 32.0, 1), 2e-5),
             ] {
-                let tables = Wedges::new(order, swath.step, !swath.complete);
+                let tables = Wedges::new(order, swath.step);
                 let (wedges, horizons) = (swath.wedges(order), horizons(swath.count));
                 let best = summed(Simd::best(), &tables, &wedges, &horizons);
                 let mut worst = 0.0f64;
