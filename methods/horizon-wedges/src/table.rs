@@ -15,7 +15,7 @@ pub(crate) const ELEVATIONS: usize = 256;
 /// Table entries a radian.
 pub(crate) const PER_RADIAN: f64 = (ELEVATIONS - 1) as f64 / FRAC_PI_2;
 
-/// Wedges of one extent, each in [`Wedges::rows`] blocks whose entries beyond `n²` are 0.
+/// Wedges of one extent, each in [`rows`] blocks whose entries beyond `n²` are 0.
 pub(crate) struct Wedges {
     /// SH order.
     pub(crate) order: usize,
