@@ -112,3 +112,15 @@ fn collect(dir: &Path, found: &mut Vec<(PathBuf, Vec<u8>, std::time::SystemTime)
 pub(crate) fn of_kind<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
     lines.iter().filter(|line| line["kind"] == kind).collect()
 }
+
+/// Ids of the methods that serve scenes without height fields, as [`SCENE`] is.
+pub(crate) fn methods() -> Vec<&'static str> {
+    let serves = |method: &&dyn halflight_contract::Method| {
+        let params = halflight_contract::Params::defaults(method.info().params);
+        let (quantity, backend) = (halflight_contract::Quantity::Direct, halflight_contract::Backend::Cpu);
+        let request = halflight_contract::Request { quantity, backend, params: &params };
+        let answer = method.supports(&halflight_scenes::SceneFacts::default(), &request);
+        !matches!(answer, halflight_contract::Support::Skip(_))
+    };
+    halflight_registry::methods().into_iter().filter(serves).map(|method| method.info().id).collect()
+}

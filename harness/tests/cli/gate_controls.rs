@@ -1,6 +1,6 @@
 //! The gate must fail on what is wrong, and only on that.
 
-use crate::bench::{Bench, SCENE};
+use crate::bench::{Bench, SCENE, methods};
 use halflight::gate::{Baselines, Comparison, Instructions, Observed, Ratio, SLOWER, Verdict, compare, observe};
 use halflight::{Entry, Options, Plan, Selection, Terms};
 use halflight_references::Quality;
@@ -104,10 +104,10 @@ fn a_bias_of_one_percent_in_any_method_is_caught() {
     let plan = lab.plan(1);
     let mut store = lab.run(&plan, "out");
     let right = lab.observed(&plan, &store).measured;
-    assert_eq!(right.cells.len(), 4 * halflight_registry::methods().len());
+    assert_eq!(right.cells.len(), 4 * methods().len());
     let rescored = lab.plan(2);
     let mut again = lab.run(&rescored, "again");
-    for method in halflight_registry::methods().iter().map(|method| method.info().id) {
+    for method in methods() {
         for scale in [0.99, 1.01] {
             for (plan, store) in [(&plan, &mut store), (&rescored, &mut again)] {
                 let honest = runs(plan, store, method);
@@ -214,7 +214,7 @@ fn nan_and_what_is_missing_fail() {
     // Runs without scores, and without anything.
     let mut scoreless = Store::open(lab.bench.path("scoreless")).unwrap();
     assert!(wrong(&right, &lab.observed(&plan, &scoreless)).contains(&cell.to_owned()));
-    for run in halflight_registry::methods().iter().flat_map(|method| runs(&plan, &store, method.info().id)) {
+    for run in methods().into_iter().flat_map(|method| runs(&plan, &store, method)) {
         let picture = store.read_picture(run.image.as_ref().unwrap()).unwrap();
         scoreless.write_picture(&picture).unwrap();
         scoreless.append(Record::Run(Box::new(run))).unwrap();

@@ -1,6 +1,6 @@
 //! Sweeps: what is written, what is shared, and that sharing changes nothing.
 
-use crate::bench::{Bench, SCENE, of_kind};
+use crate::bench::{Bench, SCENE, methods, of_kind};
 use serde_json::Value;
 
 fn label(run: &Value) -> String {
@@ -129,10 +129,7 @@ fn fronts_are_printed_and_told_apart() {
     for part in ["direct · tiny: error against shade time", "direct · other: error against memory held", "★"] {
         assert!(told.contains(part), "{part}: {told}");
     }
-    assert_eq!(
-        told.lines().filter(|line| line.contains("  RMSE ")).count(),
-        6 * 2 * halflight_registry::methods().len()
-    );
+    assert_eq!(told.lines().filter(|line| line.contains("  RMSE ")).count(), 6 * 2 * methods().len());
     let one = bench.well("pareto --out out --scene tiny --quantity direct --against memory");
     assert!(one.starts_with("direct · tiny: error against memory held; ") && !one.contains("over"), "{one}");
     for (what, part) in [

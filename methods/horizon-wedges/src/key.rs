@@ -109,7 +109,7 @@ fn through(light: &[f64], tables: &Wedges, wedges: &[Wedge]) -> Vec<f64> {
     let azimuths = wedges.iter().map(|wedge| wedge.start + 1).max().unwrap_or(0);
     let mut open = vec![0.0; coefficients(tables.order)];
     let mut places = Places::default();
-    places.set(Simd::Portable, 1, &vec![0.0; azimuths]);
+    places.set(Simd::Portable, 1, &vec![0.0; azimuths], wedges);
     sum(Simd::Portable, tables, wedges, &places, &mut open);
     let open: Vec<f64> = open.into_iter().map(f64::from).collect();
     let mut product = vec![0.0; open.len()];

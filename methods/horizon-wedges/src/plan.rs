@@ -1,6 +1,7 @@
 //! Which lights are seen through which swath.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
@@ -59,6 +60,7 @@ pub(crate) struct Planner {
     whole: bool,
     each: Arc<Vec<SceneLight>>,
     window: Option<Vec<f32>>,
+    /// By the bits of the wedges' extents.
     tables: HashMap<u64, Arc<Wedges>>,
 }
 
@@ -84,9 +86,8 @@ impl Planner {
         let partial = lights.flat_map(|light| times.clone().map(move |time| light.at(time)));
         let swaths: Vec<Swath> = partial.filter_map(|light| planner.swath(&light)).collect();
         for swath in swaths.into_iter().chain([planner.complete]) {
-            if !planner.tables.contains_key(&swath.step.to_bits()) {
-                let recipe = WedgesOf { order, extent: swath.step, boundaries: !swath.complete };
-                planner.tables.insert(swath.step.to_bits(), job.derive(&recipe, meter)?);
+            if let Entry::Vacant(slot) = planner.tables.entry(swath.step.to_bits()) {
+                slot.insert(job.derive(&WedgesOf { order, extent: swath.step }, meter)?);
             }
         }
         Ok(planner)
@@ -105,7 +106,7 @@ impl Planner {
     /// Tables for a swath, made now where a light stands as at no frame of the scene.
     fn tables(&mut self, swath: &Swath) -> Arc<Wedges> {
         let (order, step) = (self.order, swath.step);
-        let make = || Arc::new(Wedges::new(order, step, !swath.complete));
+        let make = || Arc::new(Wedges::new(order, step));
         self.tables.entry(step.to_bits()).or_insert_with(make).clone()
     }
 

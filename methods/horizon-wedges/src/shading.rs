@@ -132,7 +132,7 @@ impl Shading<'_> {
     fn see(&self, view: &View, chunk: &mut Chunk<'_>) {
         let (count, size) = (chunk.valid.len(), coefficients(self.batch.order()));
         let elevations = &chunk.elevations[view.first * count..][..view.azimuths * count];
-        chunk.places.set(self.batch.simd(), count, elevations);
+        chunk.places.set(self.batch.simd(), count, elevations, &view.wedges);
         let vectors = &mut chunk.vectors[..count * size];
         sum(self.batch.simd(), &view.tables, &view.wedges, &chunk.places, vectors);
         if let Some(window) = self.window {

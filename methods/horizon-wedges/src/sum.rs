@@ -5,35 +5,48 @@ use halflight_sh::{Block, LANES, Lanes, Simd, Task, coefficients, index, run};
 use crate::swath::Wedge;
 use crate::table::{ELEVATIONS, PER_RADIAN, Wedges, rows};
 
-/// Horizons of some receivers as places in the tables: an entry, and how far towards the next.
+/// To which a whole number below 2^23 is added, so that its digits are the last bits of the sum: quicker than a conversion.
+const TO_BITS: f32 = (1 << 23) as f32;
+
+/// Horizons of some receivers as places in the tables of some wedges.
 #[derive(Default)]
 pub(crate) struct Places {
-    entries: Vec<Block<f32>>,
-    fractions: Vec<Block<f32>>,
-    /// Blocks of one azimuth.
+    /// Elevations in radians, then entries, of each azimuth's receivers.
+    entries: Vec<[f32; LANES]>,
+    /// How far from an entry towards the next.
+    fractions: Vec<[f32; LANES]>,
+    /// Numbers of each wedge's entries, [`TO_BITS`] added.
+    numbers: Vec<[f32; LANES]>,
+    /// Arrays of one azimuth or wedge.
     blocks: usize,
 }
 
 impl Places {
     /// Elevations in radians, all receivers of one azimuth after those of another; those outside `[0, π/2]` are moved to its ends.
-    pub(crate) fn set(&mut self, simd: Simd, receivers: usize, elevations: &[f32]) {
+    pub(crate) fn set(&mut self, simd: Simd, receivers: usize, elevations: &[f32], wedges: &[Wedge]) {
         self.blocks = receivers.div_ceil(LANES);
-        let azimuths = elevations.len() / receivers.max(1);
-        for places in [&mut self.entries, &mut self.fractions] {
-            places.clear();
-            places.resize(azimuths * self.blocks, Block::ZERO);
-        }
+        let count = elevations.len() / receivers.max(1) * self.blocks;
+        self.entries.resize(count, [0.0; LANES]);
+        self.fractions.resize(count, [0.0; LANES]);
+        self.numbers.resize(wedges.len() * self.blocks, [0.0; LANES]);
         for (plane, entries) in elevations.chunks_exact(receivers).zip(self.entries.chunks_exact_mut(self.blocks)) {
-            for (from, to) in plane.chunks(LANES).zip(entries) {
-                to.0[..from.len()].copy_from_slice(from);
-            }
+            entries.as_flattened_mut()[..receivers].copy_from_slice(plane);
         }
         run(simd, Split { places: self });
+        run(simd, Number { places: self, wedges });
     }
 
-    fn at(&self, azimuth: usize, receiver: usize) -> (usize, f32) {
-        let (block, lane) = (azimuth * self.blocks + receiver / LANES, receiver % LANES);
-        (self.entries[block].0[lane] as usize, self.fractions[block].0[lane])
+    /// The place along an azimuth's horizon.
+    #[inline(always)]
+    fn fraction(&self, azimuth: usize, receiver: usize) -> f32 {
+        self.fractions.as_flattened()[azimuth * self.blocks * LANES + receiver]
+    }
+
+    /// A wedge's number.
+    #[inline(always)]
+    fn number(&self, wedge: usize, receiver: usize) -> usize {
+        let sum = self.numbers.as_flattened()[wedge * self.blocks * LANES + receiver];
+        (sum.to_bits() & 0xffff) as usize
     }
 }
 
@@ -49,16 +62,44 @@ impl Task<f32> for Split<'_> {
         let (scale, last) = (V::constant(PER_RADIAN), V::constant((ELEVATIONS - 1) as f64));
         for (entry, fraction) in entries.iter_mut().zip(fractions) {
             for part in 0..LANES / V::WIDTH {
-                let place = V::load(&entry.0, part).mul(scale).max(V::constant(0.0)).min(last);
+                let place = V::load(entry, part).mul(scale).max(V::constant(0.0)).min(last);
                 let whole = place.floor().min(V::constant((ELEVATIONS - 2) as f64));
-                whole.store(&mut entry.0, part);
-                place.sub(whole).store(&mut fraction.0, part);
+                whole.store(entry, part);
+                place.sub(whole).store(fraction, part);
             }
         }
     }
 }
 
-/// Adds up the wedges of receivers `0..out.len() / n²`, and writes one vector after the other.
+/// Numbers the wedges' entries.
+struct Number<'a> {
+    places: &'a mut Places,
+    wedges: &'a [Wedge],
+}
+
+impl Task<f32> for Number<'_> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = f32>>(self) {
+        let Places { entries, numbers, blocks, .. } = self.places;
+        for (wedge, numbers) in self.wedges.iter().zip(numbers.chunks_exact_mut(*blocks)) {
+            for (block, number) in numbers.iter_mut().enumerate() {
+                for part in 0..LANES / V::WIDTH {
+                    let start = V::load(&entries[wedge.start * *blocks + block], part);
+                    let found = match wedge.end {
+                        None => start,
+                        Some(end) => {
+                            let end = V::load(&entries[end * *blocks + block], part);
+                            start.mul_add(V::constant(ELEVATIONS as f64), end)
+                        }
+                    };
+                    found.add(V::splat(TO_BITS)).store(number, part);
+                }
+            }
+        }
+    }
+}
+
+/// Adds up the wedges that the places were set for of receivers `0..out.len() / n²`, and writes one vector after the other.
 pub(crate) fn sum(simd: Simd, tables: &Wedges, wedges: &[Wedge], places: &Places, out: &mut [f32]) {
     run(simd, Sum { look_up: LookUp { tables, rows: rows(tables.order), places }, wedges, out });
 }
@@ -73,18 +114,18 @@ impl Task<f32> for Sum<'_> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
         let LookUp { tables: &Wedges { order, .. }, rows, .. } = self.look_up;
-        let mut sums = [[Block::ZERO; 4]; 2];
+        let mut sums = [[Block::ZERO; 2]; 4];
         for (receiver, out) in self.out.chunks_exact_mut(coefficients(order)).enumerate() {
-            for row in 0..rows {
+            for (row, [cosines, sines]) in sums.iter_mut().enumerate().take(rows) {
                 for part in 0..LANES / V::WIDTH {
                     let (mut even, mut odd) = (V::constant(0.0), V::constant(0.0));
-                    for wedge in self.wedges {
-                        let value = self.look_up.value::<V>(wedge, receiver, row, part);
-                        even = value.mul_add(V::load(&wedge.turn[0][row].0, part), even);
-                        odd = value.mul_add(V::load(&wedge.turn[1][row].0, part), odd);
+                    for (number, wedge) in self.wedges.iter().enumerate() {
+                        let value = self.look_up.value::<V>(number, wedge, receiver, row, part);
+                        even = value.mul_add(V::load(&wedge.turn[row].0, part), even);
+                        odd = value.mul_add(V::load(&wedge.turn[rows + row].0, part), odd);
                     }
-                    even.store(&mut sums[0][row].0, part);
-                    odd.store(&mut sums[1][row].0, part);
+                    even.store(&mut cosines.0, part);
+                    odd.store(&mut sines.0, part);
                 }
             }
             turned(order, &sums, out);
@@ -104,23 +145,29 @@ struct LookUp<'a> {
 impl LookUp<'_> {
     /// Some coefficients of a receiver's wedge, interpolated.
     #[inline(always)]
-    fn value<V: Lanes<Scalar = f32>>(&self, wedge: &Wedge, receiver: usize, row: usize, part: usize) -> V {
+    fn value<V: Lanes<Scalar = f32>>(
+        &self,
+        number: usize,
+        wedge: &Wedge,
+        receiver: usize,
+        row: usize,
+        part: usize,
+    ) -> V {
         let Wedges { interior, boundary, .. } = self.tables;
-        let (start, along) = self.places.at(wedge.start, receiver);
-        let along = V::splat(along);
+        let first = self.places.number(number, receiver) * self.rows + row;
+        let along = V::splat(self.places.fraction(wedge.start, receiver));
         let Some(end) = wedge.end else {
-            let low = V::load(&boundary[start * self.rows + row].0, part);
-            let high = V::load(&boundary[(start + 1) * self.rows + row].0, part);
-            return high.sub(low).mul_add(along, low);
+            let pair = &boundary[first..=first + self.rows];
+            let low = V::load(&pair[0].0, part);
+            return V::load(&pair[self.rows].0, part).sub(low).mul_add(along, low);
         };
-        let (end, across) = self.places.at(end, receiver);
-        let across = V::splat(across);
-        let entry = (start * ELEVATIONS + end) * self.rows + row;
-        let next = entry + ELEVATIONS * self.rows;
-        let low = V::load(&interior[entry].0, part);
-        let low = V::load(&interior[entry + self.rows].0, part).sub(low).mul_add(across, low);
-        let high = V::load(&interior[next].0, part);
-        let high = V::load(&interior[next + self.rows].0, part).sub(high).mul_add(across, high);
+        let across = V::splat(self.places.fraction(end, receiver));
+        let next = ELEVATIONS * self.rows;
+        let square = &interior[first..=first + next + self.rows];
+        let low = V::load(&square[0].0, part);
+        let low = V::load(&square[self.rows].0, part).sub(low).mul_add(across, low);
+        let high = V::load(&square[next].0, part);
+        let high = V::load(&square[next + self.rows].0, part).sub(high).mul_add(across, high);
         high.sub(low).mul_add(along, low)
     }
 }
@@ -128,14 +175,115 @@ impl LookUp<'_> {
 /// Turns every wedge by its azimuth at once: with `P = Σ cos mφ · w` and `Q = Σ sin mφ · w`, coefficient `m` becomes `P_m − Q_−m` and
 /// `−m` becomes `P_−m + Q_m`.
 #[inline(always)]
-fn turned(order: usize, [even, odd]: &[[Block<f32>; 4]; 2], out: &mut [f32]) {
-    let at = |sums: &[Block<f32>; 4], i: usize| sums[i / LANES].0[i % LANES];
+fn turned(order: usize, sums: &[[Block<f32>; 2]; 4], out: &mut [f32]) {
+    let at = |i: usize, part: usize| sums[i / LANES][part].0[i % LANES];
     for l in 0..order {
-        out[index(l, 0)] = at(even, index(l, 0));
+        out[index(l, 0)] = at(index(l, 0), 0);
         for m in 1..=l as isize {
             let (minus, plus) = (index(l, -m), index(l, m));
-            out[plus] = at(even, plus) - at(odd, minus);
-            out[minus] = at(even, minus) + at(odd, plus);
+            out[plus] = at(plus, 0) - at(minus, 1);
+            out[minus] = at(minus, 0) + at(plus, 1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, TAU};
+
+    use halflight_sh::{MAX_ORDER, rotate_z};
+
+    use super::*;
+    use crate::swath::Swath;
+    use crate::wedge::Projector;
+
+    const RECEIVERS: usize = 37;
+
+    /// Horizons between 0 and the zenith, smooth and jagged ones, flat ones, walls.
+    fn horizons(azimuths: usize) -> Vec<f32> {
+        let at = |azimuth: usize, receiver: usize| match receiver {
+            0 => 0.0,
+            1 => FRAC_PI_2,
+            2 => FRAC_PI_2 * (azimuth % 2) as f64,
+            _ => {
+                let wave = |phase: f64| (0.61 * (receiver * (azimuth + 3)) as f64 + phase).sin();
+                (0.6 + 0.5 * wave(1.0) + 0.4 * wave(2.0) * wave(3.0)).clamp(0.0, FRAC_PI_2)
+            }
+        };
+        (0..azimuths).flat_map(|azimuth| (0..RECEIVERS).map(move |receiver| at(azimuth, receiver) as f32)).collect()
+    }
+
+    /// The sum of exact wedges, each turned by itself.
+    fn exact(order: usize, swath: &Swath, horizons: &[f32], receiver: usize) -> Vec<f64> {
+        let size = coefficients(order);
+        let (mut sum, mut wedge, mut turned) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
+        let angle = |azimuth: usize| f64::from(horizons[azimuth * RECEIVERS + receiver]).min(FRAC_PI_2);
+        let mut add = |origin: f64, extent: f64, from: f64, to: f64| {
+            let projector = Projector::new(order, extent);
+            projector.project(from, &projector.ramp(to - from), &mut wedge);
+            rotate_z(order, origin, &wedge, &mut turned);
+            sum.iter_mut().zip(&turned).for_each(|(sum, value)| *sum += value);
+        };
+        let at = |azimuth: usize| swath.first + azimuth as f64 * swath.step;
+        for start in 0..swath.count - usize::from(!swath.complete) {
+            add(at(start), swath.step, angle(start), angle((start + 1) % swath.count));
+        }
+        if !swath.complete {
+            let last = swath.count - 1;
+            add(at(0) - 0.5 * swath.step, 0.5 * swath.step, FRAC_PI_2, angle(0));
+            add(at(last), 0.5 * swath.step, angle(last), FRAC_PI_2);
+        }
+        sum
+    }
+
+    fn summed(simd: Simd, tables: &Wedges, wedges: &[Wedge], horizons: &[f32]) -> Vec<f32> {
+        let mut places = Places::default();
+        places.set(simd, RECEIVERS, horizons, wedges);
+        let mut out = vec![f32::NAN; RECEIVERS * coefficients(tables.order)];
+        sum(simd, tables, wedges, &places, &mut out);
+        out
+    }
+
+    /// The sums of the paper's tables, and their instructions' twins.
+    #[test]
+    fn sums_by_table_are_those_of_exact_wedges() {
+        for order in 2..=MAX_ORDER {
+            // Sums of smaller swaths, of at most a right angle, have smaller errors.
+            for (swath, bound) in [
+                (Swath::complete(16), if order <= 4 { 2e-5 } else { 5e-5 }),
+                (Swath::complete(5), if order <= 4 { 4e-5 } else { 1.5e-4 }),
+                (Swath::partial(0.7, TAU / 4.0, 3), if order <= 4 { 2e-5 } else { 5e-5 }),
+                (Swath::partial(-2.0, TAU / 32.0, 1), 2e-5),
+            ] {
+                let tables = Wedges::new(order, swath.step);
+                let (wedges, horizons) = (swath.wedges(order), horizons(swath.count));
+                let best = summed(Simd::best(), &tables, &wedges, &horizons);
+                let mut worst = 0.0f64;
+                for (receiver, found) in best.chunks_exact(coefficients(order)).enumerate() {
+                    let expected = exact(order, &swath, &horizons, receiver);
+                    let apart = found.iter().zip(&expected).map(|(found, want)| (f64::from(*found) - want).abs());
+                    worst = apart.fold(worst, f64::max);
+                }
+                assert!(worst < bound, "order {order}, {swath:?}: {worst}");
+                for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+                    let twin = summed(simd, &tables, &wedges, &horizons);
+                    let apart = best.iter().zip(&twin).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                    assert!(apart < 2e-6, "order {order}, {simd:?}: {apart}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_elevation_is_moved_to_the_ends() {
+        let mut places = Places::default();
+        let odd = [f32::NAN, -1.0, 7.0, f32::INFINITY];
+        let wedges = Swath::partial(0.0, 1.0, 1).wedges(2);
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+            places.set(simd, odd.len(), &odd, &wedges);
+            let at = |receiver: usize| (places.number(0, receiver), places.fraction(0, receiver));
+            let last = (ELEVATIONS - 2, 1.0);
+            assert_eq!([0, 1, 2, 3].map(at), [(0, 0.0), (0, 0.0), last, last]);
         }
     }
 }

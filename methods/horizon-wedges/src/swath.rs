@@ -24,9 +24,9 @@ pub(crate) struct Wedge {
     pub(crate) start: usize,
     /// Number of the azimuth at its end; none for a boundary.
     pub(crate) end: Option<usize>,
-    /// `cos mφ` and `sin mφ` for each coefficient, φ the azimuth of its origin; those with `m < 0` negated where the wedge is the mirror
-    /// image of what is tabulated.
-    pub(crate) turn: [Vec<Block<f32>>; 2],
+    /// `cos mφ` for each coefficient, then `sin mφ`, φ the azimuth of its origin; those with `m < 0` negated where the wedge is the
+    /// mirror image of what is tabulated.
+    pub(crate) turn: Vec<Block<f32>>,
 }
 
 impl Swath {
@@ -61,13 +61,15 @@ impl Swath {
     }
 }
 
-fn turn(order: usize, azimuth: f64, mirrored: bool) -> [Vec<Block<f32>>; 2] {
-    let mut turn = [0, 1].map(|_| vec![Block::ZERO; rows(order)]);
+fn turn(order: usize, azimuth: f64, mirrored: bool) -> Vec<Block<f32>> {
+    let rows = rows(order);
+    let mut turn = vec![Block::ZERO; 2 * rows];
     for (l, m) in (0..order as isize).flat_map(|l| (-l..=l).map(move |m| (l, m))) {
         let i = index(l as usize, m);
         let sign = if mirrored && m < 0 { -1.0 } else { 1.0 };
         let (sin, cos) = (m.abs() as f64 * azimuth).sin_cos();
-        [cos, sin].iter().zip(&mut turn).for_each(|(value, part)| part[i / LANES].0[i % LANES] = (sign * value) as f32);
+        turn[i / LANES].0[i % LANES] = (sign * cos) as f32;
+        turn[rows + i / LANES].0[i % LANES] = (sign * sin) as f32;
     }
     turn
 }

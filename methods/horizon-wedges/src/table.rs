@@ -15,7 +15,7 @@ pub(crate) const ELEVATIONS: usize = 256;
 /// Table entries a radian.
 pub(crate) const PER_RADIAN: f64 = (ELEVATIONS - 1) as f64 / FRAC_PI_2;
 
-/// Wedges of one extent, each in [`Wedges::rows`] blocks whose entries beyond `n²` are 0.
+/// Wedges of one extent, each in [`rows`] blocks whose entries beyond `n²` are 0.
 pub(crate) struct Wedges {
     /// SH order.
     pub(crate) order: usize,
@@ -37,13 +37,9 @@ fn elevation(entry: usize) -> f64 {
 }
 
 impl Wedges {
-    /// Tables of an order for wedges of so many radians. `boundaries`: whether those of half the extent are made.
-    pub(crate) fn new(order: usize, extent: f64, boundaries: bool) -> Wedges {
-        Wedges {
-            order,
-            interior: interior(order, extent),
-            boundary: if boundaries { boundary(order, extent) } else { Vec::new() },
-        }
+    /// Tables of an order for wedges of so many radians.
+    pub(crate) fn new(order: usize, extent: f64) -> Wedges {
+        Wedges { order, interior: interior(order, extent), boundary: boundary(order, extent) }
     }
 
     /// Bytes that it takes.
@@ -91,7 +87,6 @@ pub(crate) struct WedgesOf {
     pub(crate) order: usize,
     /// Radians.
     pub(crate) extent: f64,
-    pub(crate) boundaries: bool,
 }
 
 impl Derived for WedgesOf {
@@ -100,10 +95,10 @@ impl Derived for WedgesOf {
     const REVISION: &'static str = "1";
 
     fn key(&self, _: &Scene) -> String {
-        format!("{}:{:x}:{}", self.order, self.extent.to_bits(), self.boundaries)
+        format!("{}:{:x}", self.order, self.extent.to_bits())
     }
 
     fn make(&self, _: &Job<'_, '_>, _: &mut dyn Meter) -> Result<Wedges> {
-        Ok(Wedges::new(self.order, self.extent, self.boundaries))
+        Ok(Wedges::new(self.order, self.extent))
     }
 }

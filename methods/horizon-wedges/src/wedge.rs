@@ -127,8 +127,8 @@ impl Projector {
                 out[index(l, -(m as isize))] = self.extent * part(1);
                 out[index(l, m as isize)] = self.extent * part(0); // last: for m = 0 both are the same coefficient
             }
-            for j in 1..=self.order {
-                self.add(m, j, waves[j], ramp.turns[m * (self.order + 1) + j], out);
+            for (j, wave) in waves.iter().enumerate().take(self.order + 1).skip(1) {
+                self.add(m, j, *wave, ramp.turns[m * (self.order + 1) + j], out);
             }
         }
     }

@@ -150,7 +150,7 @@ fn characters_walk_on_their_ground_and_keep_their_size() {
 #[test]
 fn unknown_names_are_told_the_known_ones() {
     let error = find("bunny-studios").unwrap_err().to_string();
-    assert!(error.contains("bunny-studios") && error.contains("boxers, bunny-studio, deformers"), "{error}");
+    assert!(error.contains("bunny-studios") && error.contains("boxers, bunny-studio, cone"), "{error}");
     let error = find("missing/scene.toml").unwrap_err().to_string();
     assert!(error.starts_with("missing/scene.toml: expected a readable file"), "{error}");
 }

@@ -173,12 +173,18 @@ fn judge_variants(figures: &Figures<'_>) -> Option<Judgement> {
     let names = VARIANTS.map(|(name, ..)| name);
     let bends = figures.values(names.map(rough).each_ref().map(String::as_str))?;
     let errors = figures.values(names.map(wrong).each_ref().map(String::as_str))?;
-    let smoothest = bends[..3].iter().all(|bend| bends[3] < *bend);
+    let [neither, scale, plane, both] = bends;
+    let (in_plane, between_scales) = (plane < neither && both < scale, scale < neither && both < plane);
     let told: Vec<String> = names
         .iter()
         .zip(bends.iter().zip(&errors))
         .map(|(name, (bend, error))| format!("{name} {}° (error {}°)", number(*bend), number(*error)))
         .collect();
-    let why = format!("Second differences at (k, o) = (4, 2), between scales and in the plane: {}.", told.join("; "));
-    Some(Judgement { verdict: Verdict::of(&[smoothest]), why })
+    let why = format!(
+        "B-splines in the plane {}; between scales they {}. Second differences at (k, o) = (4, 2), between scales and in the plane: {}.",
+        if in_plane { "smooth" } else { "do not smooth" },
+        if between_scales { "smooth too, if little" } else { "do not where those in the plane have smoothed already" },
+        told.join("; ")
+    );
+    Some(Judgement { verdict: Verdict::of(&[in_plane, between_scales]), why })
 }
