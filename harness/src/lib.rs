@@ -14,6 +14,7 @@
 //! | table | `table.rs` | a store → rows of a CSV or Parquet file |
 //! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
 //! | ledger | `ledger/` | a paper's claims → figures in a store → a page of verdicts |
+//! | figures | `figures/` | a paper's figures and tables → a page each |
 //! | gate | `gate/` | what a store holds, against baselines |
 //!
 //! A cell is scene × method × parameters × backend × quantity × frame. Its key holds what decides its result and, since
@@ -42,6 +43,7 @@ mod environment;
 mod error;
 mod execute;
 mod export;
+pub mod figures;
 mod forecast;
 pub mod gate;
 mod judge;

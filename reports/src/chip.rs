@@ -3,7 +3,7 @@
 use crate::Report;
 
 /// Colours that stay apart for colour-blind eyes (Okabe and Ito 2008) and stand on light and dark paper.
-const PALETTE: [[u8; 3]; 7] =
+pub(crate) const PALETTE: [[u8; 3]; 7] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [196, 140, 0], [86, 160, 213], [128, 128, 128]];
 
 /// The number of a setting in its method's colour.

@@ -43,6 +43,13 @@ pub(crate) fn probability_map(map: &Picture, least: f64) -> Result<String, Repor
     data_address(map, pixels.map(|(p, valid)| valid.then(|| false_colour(share(p.x)))))
 }
 
+/// The first channel as grey, from black at the first end to white at the second.
+pub(crate) fn grey_map(map: &Picture, [black, white]: [f64; 2]) -> Result<String, ReportError> {
+    let pixels = map.radiance.iter().zip(&map.valid);
+    let grey = |value: f32| (((f64::from(value) - black) / (white - black)).clamp(0.0, 1.0) * 255.0).round() as u8;
+    data_address(map, pixels.map(|(value, valid)| valid.then(|| [grey(value.x); 3])))
+}
+
 /// A scale that shows these errors: the 99th percentile of their sizes, rounded up to a number that reads well.
 pub(crate) fn error_scale<'a>(pairs: impl Iterator<Item = (&'a Picture, &'a Picture)>) -> f64 {
     let mut sizes: Vec<f64> = pairs.flat_map(|(p, r)| errors(p, r).flatten().map(f64::abs)).collect();

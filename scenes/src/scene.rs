@@ -111,8 +111,13 @@ impl Scene {
 
     /// The same scene with receivers at given positions and unit normals, albedo 1.
     pub fn with_receivers(&self, points: &[(Vec3, Vec3)]) -> Scene {
-        let placed = Scene { placement: Placement::Points(Arc::new(points.to_vec())), ..self.clone() };
-        Scene { content: placed.compute_content(), ..placed }
+        Scene { placement: Placement::Points(Arc::new(points.to_vec())), ..self.clone() }.as_changed()
+    }
+
+    /// The scene after its fields were changed: its content is that of what it holds now. An object whose shape was changed
+    /// must have that shape's content.
+    pub fn as_changed(self) -> Scene {
+        Scene { content: self.compute_content(), ..self }
     }
 
     pub(crate) fn compute_content(&self) -> Content {

@@ -17,6 +17,7 @@ use halflight_scenes::{Frame, Rgb};
 use std::path::Path;
 
 /// A picture and its variance.
+#[derive(Clone)]
 pub(crate) struct Seen {
     pub(crate) picture: Picture,
     pub(crate) variance: Vec<Rgb>,

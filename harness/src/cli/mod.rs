@@ -8,6 +8,7 @@ mod crosscheck;
 mod diff;
 mod doctor;
 mod export;
+mod figure;
 mod gate;
 mod import;
 mod ledger;
@@ -89,6 +90,8 @@ enum Command {
     Accuracy(accuracy::Accuracy),
     /// Hold a paper's claims against what was measured of them: write the ledger from stored figures, or take them
     Ledger(ledger::Ledger),
+    /// Make the page of a paper's figure or table, or list those that there are
+    Figure(figure::Figure),
     /// List what there is
     List(list::List),
     /// Show the machine, the build and the folders, and verify the shipped scenes
@@ -262,6 +265,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Crosscheck(check)) => check.act(),
         Some(Command::Accuracy(accuracy)) => accuracy.act(),
         Some(Command::Ledger(ledger)) => ledger.act(),
+        Some(Command::Figure(figure)) => figure.act(),
         Some(Command::List(list)) => list.act(),
         Some(Command::Doctor(doctor)) => doctor.act(),
     }

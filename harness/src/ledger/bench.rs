@@ -133,7 +133,7 @@ impl Setting {
         Ok(Setting { method, params })
     }
 
-    fn failed(&self, scene: &Scene, error: &str) -> Error {
+    pub(crate) fn failed(&self, scene: &Scene, error: &str) -> Error {
         Error::Other(format!("{} failed on {}: {error}", self.method.info().id, scene.name))
     }
 }

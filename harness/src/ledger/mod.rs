@@ -12,13 +12,18 @@ mod row;
 mod rows;
 
 use crate::{Error, environment};
-use bench::Bench;
 use halflight_results::{Key, Measured, Record, Store};
+use row::Judgement;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 pub use bench::Terms;
+pub(crate) use bench::{Bench, Figure as Ours, Setting, silent};
+pub(crate) use ground::Ground;
 pub use page::page;
+pub(crate) use page::value;
 pub use row::Row;
+pub(crate) use row::number;
+pub(crate) use rows::Seams;
 pub use rows::{ROWS, chosen};
 
 /// Measures a row and appends its figures to a store; returns how many there are.
@@ -27,24 +32,35 @@ pub use rows::{ROWS, chosen};
 /// What the row needs is not there, a method fails, or the store cannot be written.
 pub fn measure(row: &Row, terms: &Terms, store: &mut Store) -> Result<usize, Error> {
     let figures = (row.measure)(&Bench::new(terms))?;
+    let (count, lines) = (figures.len(), lines(row, figures));
+    lines.into_iter().try_for_each(|line| store.append(Record::Measured(Box::new(line))))?;
+    Ok(count)
+}
+
+/// Measures a row and judges what it found, and keeps nothing.
+pub(crate) fn take(row: &Row, bench: &Bench) -> Result<(Vec<Ours>, Judgement), Error> {
+    let figures = (row.measure)(bench)?;
+    let lines = lines(row, figures.clone());
+    Ok((figures, page::judgement(row, &lines.iter().collect::<Vec<_>>())))
+}
+
+/// Figures that were taken now, as lines of a store.
+fn lines(row: &Row, figures: Vec<Ours>) -> Vec<Measured> {
     let taken = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
     let (revision, environment) = (revision(), environment());
-    let count = figures.len();
-    for figure in figures {
-        store.append(Record::Measured(Box::new(Measured {
-            row: row.id.to_owned(),
-            quantity: figure.quantity,
-            unit: figure.unit.to_owned(),
-            value: figure.value,
-            interval: figure.interval,
-            samples: figure.samples,
-            command: row.command(),
-            revision: revision.clone(),
-            taken,
-            environment: environment.clone(),
-        })))?;
-    }
-    Ok(count)
+    let line = |figure: Ours| Measured {
+        row: row.id.to_owned(),
+        quantity: figure.quantity,
+        unit: figure.unit.to_owned(),
+        value: figure.value,
+        interval: figure.interval,
+        samples: figure.samples,
+        command: row.command(),
+        revision: revision.clone(),
+        taken,
+        environment: environment.clone(),
+    };
+    figures.into_iter().map(line).collect()
 }
 
 /// One hash for the sources of all families.

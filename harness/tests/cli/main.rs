@@ -6,6 +6,7 @@ mod budget;
 mod commands;
 mod export;
 mod failing;
+mod figure;
 mod gate;
 mod gate_controls;
 mod import;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::minimise::pattern_search;
+use crate::minimise::powell;
 use crate::voxels::Voxels;
 
 /// Evaluations of a ball's outside volume in one update of its centre.
@@ -104,7 +104,7 @@ impl<'a> Clusters<'a> {
         let points = Lanes::new(self.held[c].iter().map(|i| self.points[*i as usize]));
         let radius = |center: Vec3| points.farthest(center) * SLACK;
         let outside = |center: Vec3| self.voxels.outside(center, radius(center));
-        let (center, outside) = pattern_search(start, STEP * radius(start), EVALUATIONS, outside);
+        let (center, outside) = powell(start, STEP * radius(start), EVALUATIONS, outside);
         Ball { center, radius: radius(center), outside }
     }
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use halflight_scenes::Sphere;
 
-use crate::minimise::pattern_search;
+use crate::minimise::powell;
 
 /// Mean number of children that is aimed at.
 const BRANCHING: usize = 4;
@@ -104,6 +104,6 @@ fn ball(spheres: &[Sphere]) -> Sphere {
         reaches.fold(0.0, f32::max)
     };
     let start = mean(spheres);
-    let (center, radius) = pattern_search(start, STEP * reach(start), EVALUATIONS, reach);
+    let (center, radius) = powell(start, STEP * reach(start), EVALUATIONS, reach);
     Sphere { center, radius }
 }

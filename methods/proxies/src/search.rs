@@ -1,6 +1,7 @@
 //! The search for clusters of small outside volume: Lloyd rounds, then teleportation and trades between neighbours.
 
 use std::f32::consts::TAU;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 
@@ -24,14 +25,37 @@ const PROBES: usize = 64;
 /// Steps that [`search`] reports.
 pub(crate) const STEPS: u64 = (LLOYD_ROUNDS + TRIALS) as u64;
 
-/// Clusters of all samples; `None` when `progress` (told the steps done) answers no.
+/// Clusters of all samples: the better of two searches side by side, since which way one goes is luck. `None` when
+/// `progress` (told the steps done) answers no.
 pub(crate) fn search<'a>(
     voxels: &'a Voxels,
     samples: &'a Samples,
     count: usize,
     progress: &mut dyn FnMut(u64) -> bool,
 ) -> Option<Clusters<'a>> {
-    let mut clusters = lloyd_round(voxels, samples, &spread(&samples.sites, count));
+    let stopped = AtomicBool::new(false);
+    let mut second = None;
+    let first = rayon::in_place_scope(|scope| {
+        scope.spawn(|_| {
+            let middle = samples.sites.len() / 2;
+            second = search_from(middle, voxels, samples, count, &mut |_| !stopped.load(Ordering::Relaxed));
+        });
+        let first = search_from(0, voxels, samples, count, progress);
+        stopped.store(first.is_none(), Ordering::Relaxed);
+        first
+    })?;
+    Some(second.filter(|second| second.error() < first.error()).unwrap_or(first))
+}
+
+/// Clusters of all samples, by one search; `first` is the site of its first centre.
+fn search_from<'a>(
+    first: usize,
+    voxels: &'a Voxels,
+    samples: &'a Samples,
+    count: usize,
+    progress: &mut dyn FnMut(u64) -> bool,
+) -> Option<Clusters<'a>> {
+    let mut clusters = lloyd_round(voxels, samples, &spread(&samples.sites, first, count));
     let mut best = clusters.clone();
     for round in 1..LLOYD_ROUNDS {
         progress(round as u64).then_some(())?;
@@ -75,11 +99,11 @@ fn lloyd_round<'a>(voxels: &'a Voxels, samples: &'a Samples, centers: &[Vec3]) -
     clusters
 }
 
-/// First centres: each the site farthest from those before, at most one a site. The paper picks at random; this needs
-/// no seed and leaves no part of the object without a centre.
-fn spread(sites: &[Vec3], count: usize) -> Vec<Vec3> {
+/// Centres to start from: after the first each is the site farthest from those before, at most one a site. The paper picks at
+/// random; this needs no seed and leaves no part of the object without a centre.
+fn spread(sites: &[Vec3], first: usize, count: usize) -> Vec<Vec3> {
     let mut distance = vec![f32::INFINITY; sites.len()];
-    let mut centers = vec![sites[0]];
+    let mut centers = vec![sites[first]];
     while centers.len() < count.min(sites.len()) {
         let last = centers[centers.len() - 1];
         distance.iter_mut().zip(sites).for_each(|(d, site)| *d = d.min(site.distance_squared(last)));

@@ -104,24 +104,56 @@ pub(crate) const S10: Row = Row {
     judge: judge_seams,
 };
 
-fn measure_seams(bench: &Bench) -> Result<Vec<Figure>, Error> {
-    let ground = Ground::new(bench, "dino-elephant-courtyard", 5.0, SIDE, 64)?;
-    let shade = |settings: &[(&str, &str)]| {
-        let setting = Setting::new("shexp/hyb", settings)?;
-        let cluster = setting.params.int("cluster");
-        Ok::<_, Error>((bench.shaded(&ground.scene, &ground.frame, &setting)?.radiance, cluster))
-    };
-    let (exact, cluster) = shade(&[])?;
-    let mut of = vec![usize::MAX; SIDE * SIDE];
-    for (number, members) in clusters(&ground.frame.receivers, cluster).iter().enumerate() {
-        members.iter().for_each(|&member| of[member] = number);
+/// A ground under two meshes, shaded sphere by sphere and by cuts with ratio vectors and without.
+pub(crate) struct Seams {
+    /// Every sphere by itself.
+    pub(crate) exact: Vec<Rgb>,
+    /// By cuts with ratio vectors.
+    pub(crate) with: Vec<Rgb>,
+    /// By cuts without.
+    pub(crate) without: Vec<Rgb>,
+    /// The cluster of every receiver; receivers are a square in rows.
+    pub(crate) cluster: Vec<usize>,
+    /// What was shaded.
+    pub(crate) ground: Ground,
+}
+
+impl Seams {
+    /// Receivers a side.
+    pub(crate) const SIDE: usize = SIDE;
+
+    pub(crate) fn shade(bench: &Bench) -> Result<Seams, Error> {
+        let ground = Ground::new(bench, "dino-elephant-courtyard", 5.0, SIDE, 64)?;
+        let shade = |settings: &[(&str, &str)]| {
+            Ok::<_, Error>(bench.shaded(&ground.scene, &ground.frame, &Setting::new("shexp/hyb", settings)?)?.radiance)
+        };
+        let [exact, with] = [shade(&[])?, shade(&Seams::SETTINGS)?];
+        let without = shade(&[("cut", CUT), ("ratio", "false")])?;
+        let mut cluster = vec![usize::MAX; SIDE * SIDE];
+        let most = Setting::new("shexp/hyb", &[])?.params.int("cluster");
+        for (number, members) in clusters(&ground.frame.receivers, most).iter().enumerate() {
+            members.iter().for_each(|&member| cluster[member] = number);
+        }
+        Ok(Seams { exact, with, without, cluster, ground })
     }
-    let level = f64::from(exact.iter().map(grey).sum::<f32>()) / exact.len() as f64;
+
+    /// Cuts with ratio vectors.
+    pub(crate) const SETTINGS: [(&'static str, &'static str); 1] = [("cut", CUT)];
+
+    /// A picture's grey values over the mean of the exact picture's.
+    pub(crate) fn levels(&self, picture: &[Rgb]) -> Vec<f64> {
+        let level = f64::from(self.exact.iter().map(grey).sum::<f32>()) / self.exact.len() as f64;
+        picture.iter().map(|rgb| f64::from(grey(rgb)) / level).collect()
+    }
+}
+
+fn measure_seams(bench: &Bench) -> Result<Vec<Figure>, Error> {
+    let seams = Seams::shade(bench)?;
+    let exact = seams.levels(&seams.exact);
     let mut figures = Vec::new();
-    for (ratio, over, between) in [("true", WITH, JUMP_WITH), ("false", WITHOUT, JUMP_WITHOUT)] {
-        let picture = shade(&[("cut", CUT), ("ratio", ratio)])?.0;
-        let error: Vec<f64> = picture.iter().zip(&exact).map(|(a, b)| f64::from(grey(a) - grey(b)) / level).collect();
-        let ([apart, within], pairs) = jumps(&error, &of);
+    for (picture, over, between) in [(&seams.with, WITH, JUMP_WITH), (&seams.without, WITHOUT, JUMP_WITHOUT)] {
+        let error: Vec<f64> = seams.levels(picture).iter().zip(&exact).map(|(a, b)| a - b).collect();
+        let ([apart, within], pairs) = jumps(&error, &seams.cluster);
         figures.push(Figure::exact(between, "%", 100.0 * apart, pairs));
         figures.push(Figure::exact(over, "×", apart / within, pairs));
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::body::{Body, Parts};
 use crate::cluster::{Ball, Lanes, SLACK};
-use crate::minimise::pattern_search;
+use crate::minimise::powell;
 use crate::samples::thinned;
 
 /// Evaluations of a radius in the search for the smallest ball around points, and its first step in radii.
@@ -133,7 +133,7 @@ impl<'a> Merging<'a> {
 fn smallest(body: &Body<'_>, start: Vec3, held: &[u32]) -> Ball {
     let points = Lanes::new(held.iter().map(|i| body.samples.points[*i as usize]));
     let step = STEP * points.farthest(start);
-    let (center, radius) = pattern_search(start, step, EVALUATIONS, |center| points.farthest(center));
+    let (center, radius) = powell(start, step, EVALUATIONS, |center| points.farthest(center));
     let radius = radius.max(SMALLEST);
     Ball { center, radius, outside: body.voxels.outside(center, radius) }
 }
