@@ -62,8 +62,8 @@ impl<'s> Casters<'s> {
         log.fill(Block::ZERO);
         let counts = gather.circles(receivers, group, spheres, tally, |circles| {
             zonal.resize(batch.order() * circles.sines.len(), Block::ZERO);
-            batch.circle_logs(&circles.sines, zonal);
-            batch.sum_zonal(zonal, &circles.axes, log);
+            batch.circle_logs(circles.sines, zonal);
+            batch.sum_zonal(zonal, circles.axes, log);
         });
         let mut work = [sh::Work::default(); LANES];
         exp.hybrid(SquaringRule::default(), log, out, &mut work[..group.len()]);
