@@ -52,10 +52,11 @@ pub struct Entry {
 }
 
 /// The suites that come with the program.
-pub(crate) const SHIPPED: [(&str, &str); 13] = [
+pub(crate) const SHIPPED: [(&str, &str); 14] = [
     ("quick", include_str!("../suites/quick.toml")),
     ("full", include_str!("../suites/full.toml")),
     ("paper/shexp", include_str!("../suites/paper/shexp.toml")),
+    ("paper/rates", include_str!("../suites/paper/rates.toml")),
     ("paper/hw-fig3", include_str!("../suites/paper/hw-fig3.toml")),
     ("paper/hw-fig4", include_str!("../suites/paper/hw-fig4.toml")),
     ("paper/hw-fig6", include_str!("../suites/paper/hw-fig6.toml")),

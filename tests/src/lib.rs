@@ -2,7 +2,7 @@
 //!
 //! [`checks`] takes a method as the rest of the house does, through the trait alone, and finds where it breaks the
 //! contract; [`fixtures`] are small scenes to run it on; [`mocks`] are five small methods that keep the contract, each
-//! with a twin that breaks it. [`identities`] holds any spherical harmonics code against what it must obey.
+//! with a twin that breaks it. [`stress`] finds what sphere blockers do at the limits of numbers. [`identities`] holds any spherical harmonics code against what it must obey.
 //!
 //! ```
 //! use halflight_tests::{checks, fixtures, mocks};
@@ -19,3 +19,4 @@ pub mod checks;
 pub mod fixtures;
 pub mod identities;
 pub mod mocks;
+pub mod stress;

@@ -12,6 +12,7 @@ use halflight_scenes::{Frame, Receivers, Scene, SceneFacts};
 use halflight_sh::{Batch, Block, apply_bands, coefficients, window};
 use rayon::prelude::*;
 
+use crate::bake::Bake;
 use crate::clustered::{self, Clustered};
 use crate::cut::{Cut, Rule, Visits};
 use crate::lamps::{Lamp, is_lamp, lamps};
@@ -38,8 +39,22 @@ pub trait Accumulator: Send + Sync + Sized {
     /// Adds blockers: at each receiver the circles in its lane, in the order given. A lane without a circle stays as it is.
     fn block(&self, state: &mut Self::State, circles: &Circles<'_>);
     /// Writes the visibilities, as many blocks as the accumulated order has coefficients, and counts the SH operations spent on
-    /// them. `blockers` holds the number of circles at each receiver; lanes beyond are nobody's.
-    fn finish(&self, state: &mut Self::State, blockers: &[u32], visibility: &mut [Block<f32>], work: &mut Work);
+    /// them; lanes beyond the counts are nobody's.
+    fn finish(&self, state: &mut Self::State, counts: &Counts<'_>, visibility: &mut [Block<f32>], work: &mut Work);
+    /// What has been accumulated so far, a block for each coefficient of the accumulated order, if that is all that there is to know of
+    /// it: a method that lets it be read, kept and set again declares [`params::BAKE`].
+    fn kept<'s>(&self, _: &'s mut Self::State) -> Option<&'s mut [Block<f32>]> {
+        None
+    }
+}
+
+/// Circles at 16 receivers, or fewer.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counts<'a> {
+    /// All that each receiver sees.
+    pub all: &'a [u32],
+    /// Those among them that had been accumulated before and were set again.
+    pub kept: &'a [u32],
 }
 
 /// Writes the visibility of an open sky to a lane.
@@ -59,6 +74,8 @@ pub struct Work {
     pub squares: u64,
     /// Receivers whose visibility the overlap guard changed.
     pub guarded: u64,
+    /// Circles that were not accumulated, since what they add was known.
+    pub kept: u64,
 }
 
 /// A [`Prepared`] for direct light around an [`Accumulator`].
@@ -74,6 +91,8 @@ pub struct DirectLight<'s, A> {
     spheres: PosedSpheres,
     lamps: Vec<Lamp>,
     gather: Gather,
+    /// The blockers that never move, if they are baked; `proxies` and `spheres` are of the others then.
+    bake: Option<Bake>,
     /// None if every receiver sees every sphere.
     cuts: Option<(Rule, Clustered)>,
     accumulator: A,
@@ -131,6 +150,13 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             true => bands(order),
             false => vec![1.0; order],
         };
+        let bake = params::bakes(job.params, A::PARAMS).then(|| {
+            let mut still = proxies.clone();
+            for ((object, moving), still) in job.scene.objects.iter().zip(&mut proxies).zip(&mut still) {
+                *(if object.rests() { moving } else { still }) = None;
+            }
+            Bake::new(blockers(job.scene, &job.scene.frame(0), &still).spheres)
+        });
         let cuts = params::cut(job.params, A::PARAMS).map(|rule| (rule, Clustered::new(job.scene, &proxies)));
         Ok(DirectLight {
             scene: job.scene,
@@ -143,6 +169,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             spheres: PosedSpheres::default(),
             lamps: Vec::new(),
             gather: params::gather(job.params),
+            bake,
             cuts,
             accumulator: A::new(job.params),
             result: Vec::new(),
@@ -195,9 +222,26 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
         sums
     }
 
+    /// Accumulates blockers that never move at receivers that are new where they are.
+    fn bake(&mut self, receivers: &Receivers, meter: &mut dyn Meter) {
+        let Some(mut bake) = self.bake.take() else { return };
+        let missing = bake.missing(receivers, coefficients(params::accumulated_order(&self.params)));
+        let shading = self.shading();
+        let baked: Vec<_> =
+            missing.par_chunks(CHUNK).map(|numbers| shading.accumulated(receivers, numbers, &bake.spheres)).collect();
+        let mut circles = 0;
+        for (receiver, (count, sums)) in missing.iter().zip(baked.iter().flatten()) {
+            circles += u64::from(*count);
+            bake.store(receivers, *receiver, *count, sums);
+        }
+        counted(meter, &[("receivers baked", missing.len() as u64), ("blockers baked", circles)]);
+        self.bake = Some(bake);
+    }
+
     fn shading(&self) -> Shading<'_, A> {
         Shading {
             accumulator: &self.accumulator,
+            bake: self.bake.as_ref(),
             batch: Batch::new(self.order),
             fine: Batch::new(params::accumulated_order(&self.params)),
             gather: self.gather,
@@ -234,6 +278,10 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
             )
             .host("light (shared)", self.light.bytes())
             .host("result", size_of_val(self.result.as_slice()));
+        let footprint = match &self.bake {
+            Some(bake) => footprint.host("baked blockers", bake.bytes()),
+            None => footprint,
+        };
         cuts.fold(footprint, |footprint, (purpose, bytes)| footprint.host(purpose, bytes))
     }
 
@@ -244,6 +292,7 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
         }
         self.gather = params::gather(params);
         self.accumulator = A::new(params);
+        self.bake.iter_mut().for_each(Bake::clear);
         Ok(())
     }
 
@@ -257,6 +306,9 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
         }
         if let Some((_, clustered)) = &mut self.cuts {
             clustered.update(&self.spheres, &frame.receivers, &self.params, meter);
+        }
+        if self.bake.is_some() {
+            timed(meter, "bake blockers", |meter| self.bake(&frame.receivers, meter));
         }
         Ok(())
     }
@@ -289,6 +341,7 @@ fn report(meter: &mut dyn Meter, receivers: &Receivers, tally: &Tally, work: &Wo
     let amounts = [
         ("receivers", receivers.valid.iter().filter(|valid| **valid).count() as u64),
         ("blockers accumulated", tally.accumulated),
+        ("blockers kept from before", work.kept),
         ("blockers removed by self-shadow rules", tally.removed),
         ("blockers below the smallest angle", tally.too_small),
         ("additions", work.additions),
@@ -308,6 +361,7 @@ impl std::ops::Add for Work {
             products: self.products + other.products,
             squares: self.squares + other.squares,
             guarded: self.guarded + other.guarded,
+            kept: self.kept + other.kept,
         }
     }
 }

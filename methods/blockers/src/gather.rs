@@ -145,6 +145,11 @@ mod tests {
         (circles, tally)
     }
 
+    /// Equal but for the roundings of a reciprocal root; tiny where a straddling sphere has just faded in.
+    fn near(a: f32, b: f32) -> bool {
+        (a == 0.0) == (b == 0.0) && (a - b).abs() <= 1e-6 * a.max(0.3)
+    }
+
     #[test]
     fn each_receiver_sees_the_circles_that_it_sees_alone() {
         let (receivers, spheres) = scene();
@@ -172,7 +177,7 @@ mod tests {
                             expected(&gather, position, normal, std::slice::from_ref(sphere)).0
                         });
                         for (circle, sine) in expected.zip(sines.0) {
-                            assert_eq!(circle.first().map_or(0.0, |circle| circle.sin_angle), sine);
+                            assert!(near(circle.first().map_or(0.0, |circle| circle.sin_angle), sine));
                         }
                         assert_eq!(ratios[1], 0.5);
                     }
@@ -195,8 +200,8 @@ mod tests {
                     assert_eq!(counts[lane] as usize, want.len());
                     assert_eq!(circles[lane].len(), want.len(), "{self_shadow:?}, {simd:?}, receiver {number}");
                     for (got, want) in circles[lane].iter().zip(&want) {
-                        assert_eq!(got.sin_angle, want.sin_angle);
-                        assert!(got.axis.abs_diff_eq(want.axis, 2e-7), "{got:?} instead of {want:?}");
+                        assert!(near(got.sin_angle, want.sin_angle), "{got:?} instead of {want:?}");
+                        assert!(got.axis.abs_diff_eq(want.axis, 5e-7), "{got:?} instead of {want:?}");
                     }
                 }
                 assert_eq!(tally, sum, "{self_shadow:?}, {simd:?}");

@@ -7,6 +7,8 @@
 //!
 //! Methods that sum logs may also look at cuts through hierarchies of spheres instead of all spheres ([`params::CUT`]).
 //!
+//! What blockers that never move leave may be kept from frame to frame ([`params::BAKE`]).
+//!
 //! # The way of the data
 //!
 //! Valid receivers go 16 together, a lane each: spheres → [`Circles`], some spheres at a time → the accumulator's state →
@@ -14,6 +16,7 @@
 //! not influence one another: without cuts a receiver's result does not depend on its company. With cuts receivers go cluster by
 //! cluster, and the spheres are those that its cut selects, some with a ratio vector.
 
+mod bake;
 mod clustered;
 mod clusters;
 mod cut;
@@ -26,7 +29,7 @@ mod seen;
 mod shading;
 
 pub use clusters::clusters;
-pub use direct::{Accumulator, DirectLight, Work, fill_open, supports};
+pub use direct::{Accumulator, Counts, DirectLight, Work, fill_open, supports};
 pub use gather::{Blockers, Gather, Tally};
 pub use halflight_proxies::SelfShadow;
 pub use seen::Circles;

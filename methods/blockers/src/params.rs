@@ -73,6 +73,14 @@ pub const CLUSTER: ParamSpec = ParamSpec {
     help: "most receivers that share a cut",
 };
 
+/// Static blockers baked in. Methods whose [`crate::Accumulator::kept`] tells what to keep declare it.
+pub const BAKE: ParamSpec = ParamSpec {
+    name: "bake",
+    kind: Kind::Flag { default: false },
+    phase: Phase::Prepare,
+    help: "accumulate blockers that never move first, and keep that for receivers that stay where they are; cuts leave them whole",
+};
+
 /// Overlap guard.
 pub const GUARD: ParamSpec = ParamSpec {
     name: "guard",
@@ -132,6 +140,11 @@ pub(crate) fn cut(params: &Params, specs: &[ParamSpec]) -> Option<Rule> {
     let angle = if declared { params.float(CUT.name) } else { 0.0 };
     let max_sin_angle = angle.to_radians().sin() as f32;
     (angle > 0.0).then(|| Rule { max_sin_angle, ratios: params.flag(RATIO.name) })
+}
+
+/// Whether blockers that never move are baked.
+pub(crate) fn bakes(params: &Params, specs: &[ParamSpec]) -> bool {
+    specs.iter().any(|spec| spec.name == BAKE.name) && params.flag(BAKE.name)
 }
 
 /// The parameters of a sphere-blocker method: the order, its own, then all others that such methods share.

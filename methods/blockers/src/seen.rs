@@ -143,8 +143,14 @@ struct LaneCircle<V> {
     sine: V,
 }
 
-/// One sphere before the receivers of a register. Sums are rounded as in [`halflight_proxies::seen`], so that both find the same
-/// sines and remove the same spheres. No closures: those that are not inlined lack the instruction set.
+/// Squared distances below count as 0: 10⁻¹⁹ m.
+const LEAST_SQUARE: f64 = f32::MIN_POSITIVE as f64;
+
+/// Squared distances above count as this.
+const LARGEST_SQUARE: f64 = 1e38;
+
+/// One sphere before the receivers of a register. Sums are rounded as in [`halflight_proxies::seen`], so that both remove the same
+/// spheres; sines differ by the roundings of [`Lanes::rsqrt`]. No closures: those that are not inlined lack the instruction set.
 struct View<V> {
     to: [V; 3],
     normal: [V; 3],
@@ -197,9 +203,10 @@ impl<V: Lanes<Scalar = f32>> View<V> {
         let (zero, one) = (V::constant(0.0), V::constant(1.0));
         let tangent_radius = V::constant(0.5).mul(height.add(radius));
         let foot = raised(to, zero.sub(height), normal);
-        let rim = radius.sub(height).mul(radius.add(height)).max(zero).sqrt();
-        let past_rim = dot(foot, foot).sqrt().sub(rim).div(rim);
-        let alpha = zero.where_less(rim, past_rim.max(zero).min(one), one);
+        let rim = radius.sub(height).mul(radius.add(height));
+        let (distance, least) = (dot(foot, foot), V::constant(LEAST_SQUARE));
+        let past_rim = distance.mul(distance.max(least).rsqrt()).mul(rim.max(least).rsqrt()).sub(one);
+        let alpha = least.where_less(rim, past_rim.max(zero).min(one), one);
         if rule == SelfShadow::Paper {
             return (raised(foot, tangent_radius, normal), alpha.mul(tangent_radius));
         }
@@ -231,8 +238,8 @@ fn dot<V: Lanes>(a: [V; 3], b: [V; 3]) -> V {
 #[inline(always)]
 fn circle<V: Lanes<Scalar = f32>>(to: [V; 3], radius: V) -> LaneCircle<V> {
     let (zero, one) = (V::constant(0.0), V::constant(1.0));
-    let distance = dot(to, to).sqrt();
-    let nearness = zero.where_less(distance, one.div(distance), zero);
+    let (square, least) = (dot(to, to), V::constant(LEAST_SQUARE));
+    let nearness = least.where_less(square, square.min(V::constant(LARGEST_SQUARE)).rsqrt(), zero);
     let sine = radius.max(zero).mul(nearness).min(one);
     LaneCircle { axis: [to[0].mul(nearness), to[1].mul(nearness), to[2].mul(nearness)], sine }
 }

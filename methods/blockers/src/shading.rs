@@ -1,12 +1,13 @@
 //! Shading of receivers, 16 side by side.
 
 use halflight_contract::Quantity;
-use halflight_scenes::{Receivers, Rgb};
+use halflight_scenes::{Receivers, Rgb, Sphere};
 use halflight_sh::{Batch, Block, LANES, clamped_cosine, coefficients, project_binary_bound};
 
+use crate::bake::Bake;
 use crate::lamps::{Glow, Lamp, Seers};
 use crate::seen::lanes;
-use crate::{Accumulator, Blockers, Circles, Gather, Tally, Work};
+use crate::{Accumulator, Blockers, Circles, Counts, Gather, Tally, Work};
 
 /// Above this, light times visibility could overflow: the guard then acts even where it is switched off.
 const OVERFLOW: f32 = 1e30;
@@ -14,6 +15,8 @@ const OVERFLOW: f32 = 1e30;
 /// What a task needs to shade receivers.
 pub(crate) struct Shading<'a, A> {
     pub(crate) accumulator: &'a A,
+    /// What is known of blockers that are not among those given.
+    pub(crate) bake: Option<&'a Bake>,
     /// Of light and shading.
     pub(crate) batch: Batch,
     /// Of accumulation, of this order or a higher one.
@@ -119,9 +122,13 @@ impl<A: Accumulator> Shading<'_, A> {
         let accumulator = self.accumulator;
         let Scratch { state, visibility, vector, .. } = scratch;
         accumulator.begin(state);
+        let kept = self.resume(group, state);
         let accumulate = |circles: &Circles<'_>| accumulator.block(state, circles);
-        let counts = self.gather.circles(receivers, group, blockers, tally, accumulate);
-        accumulator.finish(state, &counts[..group.len()], visibility, work);
+        let mut all = self.gather.circles(receivers, group, blockers, tally, accumulate);
+        all.iter_mut().zip(kept).for_each(|(all, kept)| *all += kept);
+        let counts = Counts { all: &all[..group.len()], kept: &kept[..group.len()] };
+        accumulator.finish(state, &counts, visibility, work);
+        work.kept += counts.kept.iter().map(|&count| u64::from(count)).sum::<u64>();
         let inside = self.fine.within_binary_bound(visibility);
         for lane in (0..group.len()).filter(|&lane| !inside[lane]) {
             take(lane, visibility, vector);
@@ -133,6 +140,39 @@ impl<A: Accumulator> Shading<'_, A> {
         if let Some(window) = &self.visibility_window {
             self.batch.scale(window, &mut visibility[..window.len()]);
         }
+    }
+
+    /// Sets what is known of blockers that are not gathered again, and returns how many each receiver has.
+    fn resume(&self, group: &[usize], state: &mut A::State) -> [u32; LANES] {
+        let mut counts = [0; LANES];
+        let Some((bake, sums)) = self.bake.zip(self.accumulator.kept(state)) else { return counts };
+        for (lane, (&receiver, count)) in group.iter().zip(&mut counts).enumerate() {
+            let (known, values) = bake.at(receiver);
+            *count = known;
+            sums.iter_mut().zip(values).for_each(|(block, value)| block.0[lane] = *value);
+        }
+        counts
+    }
+
+    /// What is accumulated of spheres at receivers, and of how many circles.
+    pub(crate) fn accumulated(
+        &self,
+        receivers: &Receivers,
+        numbers: &[usize],
+        spheres: &[Sphere],
+    ) -> Vec<(u32, Vec<f32>)> {
+        let (mut state, mut baked) = (self.accumulator.state(), Vec::with_capacity(numbers.len()));
+        let mut tally = Tally::default();
+        for group in numbers.chunks(LANES) {
+            self.accumulator.begin(&mut state);
+            let blockers = Blockers { spheres, ratios: &[] };
+            let accumulate = |circles: &Circles<'_>| self.accumulator.block(&mut state, circles);
+            let counts = self.gather.circles(receivers, group, blockers, &mut tally, accumulate);
+            let sums = self.accumulator.kept(&mut state).unwrap_or_default();
+            let lane = |lane| (counts[lane], sums.iter().map(|block| block.0[lane]).collect());
+            baked.extend((0..group.len()).map(lane));
+        }
+        baked
     }
 
     /// `(L, H(N) * g)` for each colour, `L` the distant light and that of lamps.

@@ -1,6 +1,6 @@
 //! The product from left to right, 16 receivers side by side.
 
-use halflight_blockers::{Accumulator, Circles, Work, blocker_params, fill_open, params};
+use halflight_blockers::{Accumulator, Circles, Counts, Work, blocker_params, fill_open, params};
 use halflight_contract::{ParamSpec, Params};
 use halflight_sh::{Batch, Block, LANES, coefficients};
 
@@ -20,7 +20,7 @@ pub(crate) struct State {
 
 impl Accumulator for OrderedProduct {
     type State = State;
-    const PARAMS: &'static [ParamSpec] = blocker_params!();
+    const PARAMS: &'static [ParamSpec] = blocker_params!(params::BAKE);
 
     fn new(params: &Params) -> Self {
         OrderedProduct { batch: Batch::new(params::accumulated_order(params)) }
@@ -54,9 +54,15 @@ impl Accumulator for OrderedProduct {
         }
     }
 
-    fn finish(&self, state: &mut State, blockers: &[u32], visibility: &mut [Block<f32>], work: &mut Work) {
+    fn finish(&self, state: &mut State, counts: &Counts<'_>, visibility: &mut [Block<f32>], work: &mut Work) {
         visibility.copy_from_slice(&state.product);
-        work.products += blockers.iter().map(|&count| u64::from(count.saturating_sub(1))).sum::<u64>();
+        let products = |counts: &[u32]| counts.iter().map(|&count| u64::from(count.saturating_sub(1))).sum::<u64>();
+        work.products += products(counts.all) - products(counts.kept);
+    }
+
+    fn kept<'s>(&self, state: &'s mut State) -> Option<&'s mut [Block<f32>]> {
+        state.empty = false;
+        Some(&mut state.product)
     }
 }
 
@@ -105,7 +111,8 @@ mod tests {
             for _ in 0..2 {
                 method.begin(&mut state);
                 method.block(&mut state, &Circles { axes: &axes, sines: &sines, ..Circles::default() });
-                method.finish(&mut state, &blockers, &mut visibility, &mut work);
+                let counts = Counts { all: &blockers, kept: &[0; LANES] };
+                method.finish(&mut state, &counts, &mut visibility, &mut work);
             }
             for lane in 0..LANES {
                 let (want, longest) = product(order, &axes, &sines, lane);

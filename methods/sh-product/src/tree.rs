@@ -1,6 +1,6 @@
 //! The product by pairs, 16 receivers side by side.
 
-use halflight_blockers::{Accumulator, Circles, Work, blocker_params, fill_open, params};
+use halflight_blockers::{Accumulator, Circles, Counts, Work, blocker_params, fill_open, params};
 use halflight_contract::{ParamSpec, Params};
 use halflight_sh::{Batch, Block, LANES, coefficients};
 
@@ -90,13 +90,13 @@ impl Accumulator for TreeProduct {
         }
     }
 
-    fn finish(&self, state: &mut State, blockers: &[u32], visibility: &mut [Block<f32>], work: &mut Work) {
+    fn finish(&self, state: &mut State, counts: &Counts<'_>, visibility: &mut [Block<f32>], work: &mut Work) {
         self.climb(state, None);
         (0..LANES).for_each(|lane| fill_open(visibility, lane));
         if let Some(root) = state.waiting.last() {
             self.batch.replace_above(0.0, &root.seen, &root.product, visibility);
         }
-        work.products += blockers.iter().map(|&count| u64::from(count.saturating_sub(1))).sum::<u64>();
+        work.products += counts.all.iter().map(|&count| u64::from(count.saturating_sub(1))).sum::<u64>();
     }
 }
 
@@ -180,7 +180,8 @@ mod tests {
                     let part = start..(start + 16).min(circles.sines.len());
                     method.block(&mut state, &circles.part(part));
                 }
-                method.finish(&mut state, &blockers, &mut visibility, &mut work);
+                let counts = Counts { all: &blockers, kept: &[0; LANES] };
+                method.finish(&mut state, &counts, &mut visibility, &mut work);
             }
             for (lane, count) in blockers.iter().enumerate() {
                 let mut open = vec![0.0; coefficients(order)];
@@ -201,7 +202,8 @@ mod tests {
             let mut again = vec![Block::ZERO; coefficients(order)];
             method.begin(&mut state);
             method.block(&mut state, &few.part(0..seen.len()));
-            method.finish(&mut state, &[seen.len() as u32; 1], &mut again, &mut work);
+            let counts = Counts { all: &[seen.len() as u32], kept: &[0] };
+            method.finish(&mut state, &counts, &mut again, &mut work);
             assert!(visibility.iter().zip(&again).all(|(a, b)| a.0[9] == b.0[0]), "order {order}");
         }
     }

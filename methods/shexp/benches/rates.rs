@@ -1,4 +1,5 @@
-//! Rates of the figures of Ren et al. 2006 at their true sizes: frames a second of update and shade, all threads, by the clock.
+//! Rates of the figures of Ren et al. 2006 at their true sizes: frames a second of update and shade, all threads, by the clock; and
+//! the processor time of the quickest frame, which others at work on the machine disturb least.
 //!
 //! `cargo bench -p halflight-shexp --bench rates -- [ROUNDS [CASE]…]`: cases are those of [`CASES`] whose names begin so; `HALFLIGHT_SIMD=avx2`
 //! leaves the widest instructions out, `RAYON_NUM_THREADS` sets the threads.
@@ -66,8 +67,10 @@ fn main() {
         ready.iter_mut().for_each(Running::round);
     }
     println!("{} threads, {:?}", rayon::current_num_threads(), halflight_sh::Simd::best());
-    println!("| case | receivers | frames a second: median, quartiles | asked for | update ms | shade ms | quickest |");
-    println!("|---|---|---|---|---|---|---|");
+    println!(
+        "| case | receivers | frames a second: median, quartiles | asked for | update ms | shade ms | quickest | processor ms |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
     ready.iter().for_each(Running::print);
 }
 
@@ -79,12 +82,12 @@ fn scene(case: &Case) -> Scene {
     scene.with_receivers(&points)
 }
 
-/// A case made ready, with milliseconds of update and shade, frame by frame.
+/// A case made ready, with milliseconds of update, of shade and of all threads' processors, frame by frame.
 struct Running<'s> {
     case: &'s Case,
     frames: Vec<Frame>,
     prepared: Box<dyn Prepared + 's>,
-    times: Vec<[f64; 2]>,
+    times: Vec<[f64; 3]>,
 }
 
 impl<'s> Running<'s> {
@@ -101,26 +104,27 @@ impl<'s> Running<'s> {
 
     fn round(&mut self) {
         for frame in &self.frames {
-            let start = Instant::now();
+            let (spent, start) = (processor_time(), Instant::now());
             self.prepared.update(frame, &mut Silent).expect("a frame of the scene");
             let middle = Instant::now();
             self.prepared.evaluate(frame, Quantity::Direct, &mut Silent).expect("direct light");
             let [update, shade] = [middle - start, middle.elapsed()].map(|time| 1e3 * time.as_secs_f64());
-            self.times.push([update, shade]);
+            self.times.push([update, shade, processor_time() - spent]);
         }
     }
 
     fn print(&self) {
-        let sorted = |value: fn(&[f64; 2]) -> f64| {
+        let sorted = |value: fn(&[f64; 3]) -> f64| {
             let mut values: Vec<f64> = self.times.iter().map(value).collect();
             values.sort_by(f64::total_cmp);
             values
         };
         let (whole, update, shade) = (sorted(|t| t[0] + t[1]), sorted(|t| t[0]), sorted(|t| t[1]));
+        let processors = sorted(|t| t[2]);
         let (middle, quarter) = (whole.len() / 2, whole.len() / 4);
         let valid: usize = self.frames[0].receivers.valid.iter().filter(|valid| **valid).count();
         println!(
-            "| {} | {valid} | {:.1}, {:.1}–{:.1} | {} | {:.2} | {:.2} | {:.1} |",
+            "| {} | {valid} | {:.1}, {:.1}–{:.1} | {} | {:.2} | {:.2} | {:.1} | {:.1} |",
             self.case.name,
             1e3 / whole[middle],
             1e3 / whole[whole.len() - 1 - quarter],
@@ -129,8 +133,16 @@ impl<'s> Running<'s> {
             update[middle],
             shade[middle],
             1e3 / whole[0],
+            processors[0],
         );
     }
+}
+
+/// Milliseconds that all threads have run, 0 where the system does not tell.
+fn processor_time() -> f64 {
+    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let told = threads.filter_map(|thread| std::fs::read_to_string(thread.path().join("schedstat")).ok());
+    told.filter_map(|text| text.split(' ').next()?.parse::<f64>().ok()).sum::<f64>() * 1e-6
 }
 
 /// Nobody is told.

@@ -1,6 +1,6 @@
 //! Sums of log visibilities on the CPU, 16 receivers side by side, ended by an exponential.
 
-use halflight_blockers::{Accumulator, Circles, Work, fill_open, params};
+use halflight_blockers::{Accumulator, Circles, Counts, Work, fill_open, params};
 use halflight_contract::{ParamSpec, Params};
 use halflight_sh::{self as sh, Batch, BatchExp, Block, LANES, coefficients};
 
@@ -47,7 +47,8 @@ impl<E: Exponential> Accumulator for LogSum<E> {
         exp.batch().sum_zonal(zonal, axes, log);
     }
 
-    fn finish(&self, state: &mut State, blockers: &[u32], visibility: &mut [Block<f32>], work: &mut Work) {
+    fn finish(&self, state: &mut State, counts: &Counts<'_>, visibility: &mut [Block<f32>], work: &mut Work) {
+        let blockers = counts.all;
         if blockers.iter().all(|&count| count == 0) {
             (0..LANES).for_each(|lane| fill_open(visibility, lane));
             return;
@@ -59,10 +60,14 @@ impl<E: Exponential> Accumulator for LogSum<E> {
                 fill_open(visibility, lane);
                 continue;
             }
-            work.additions += u64::from(count);
+            work.additions += u64::from(count - counts.kept[lane]);
             work.products += u64::from(spent.products);
             work.squares += u64::from(spent.squares);
         }
+    }
+
+    fn kept<'s>(&self, state: &'s mut State) -> Option<&'s mut [Block<f32>]> {
+        Some(&mut state.log)
     }
 }
 
@@ -107,7 +112,8 @@ mod tests {
             let ratios = ratios.chunks(16 * method.order).nth(part).unwrap_or_default();
             method.block(&mut state, &Circles { axes, sines, ratios, places: &[] });
         }
-        method.finish(&mut state, blockers, &mut visibility, &mut work);
+        let counts = Counts { all: blockers, kept: &[0; LANES][..blockers.len()] };
+        method.finish(&mut state, &counts, &mut visibility, &mut work);
         (visibility, work)
     }
 

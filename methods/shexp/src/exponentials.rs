@@ -54,7 +54,8 @@ pub(crate) struct PlainSeries {
 }
 
 impl Exponential for PlainSeries {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(TERMS, params::CUT, params::RATIO, params::CLUSTER);
+    const PARAMS: &'static [ParamSpec] =
+        blocker_params!(TERMS, params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
 
     fn new(params: &Params) -> Self {
         PlainSeries { degree: params.int(TERMS.name) }
@@ -69,7 +70,7 @@ impl Exponential for PlainSeries {
 pub(crate) struct LinearExp;
 
 impl Exponential for LinearExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER);
+    const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
 
     fn new(_: &Params) -> Self {
         LinearExp
@@ -86,7 +87,8 @@ pub(crate) struct QuadratureExp {
 }
 
 impl Exponential for QuadratureExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(RINGS, params::CUT, params::RATIO, params::CLUSTER);
+    const PARAMS: &'static [ParamSpec] =
+        blocker_params!(RINGS, params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
 
     fn new(params: &Params) -> Self {
         QuadratureExp { directions: Directions::new(params::accumulated_order(params), params.int(RINGS.name)) }
@@ -104,7 +106,8 @@ pub(crate) struct SeriesExp {
 }
 
 impl Exponential for SeriesExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(DEGREE, SQUARING, params::CUT, params::RATIO, params::CLUSTER);
+    const PARAMS: &'static [ParamSpec] =
+        blocker_params!(DEGREE, SQUARING, params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
 
     fn new(params: &Params) -> Self {
         SeriesExp { degree: params.int(DEGREE.name), rule: squaring(params) }
@@ -121,7 +124,8 @@ pub(crate) struct HybridExp {
 }
 
 impl Exponential for HybridExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(SQUARING, params::CUT, params::RATIO, params::CLUSTER);
+    const PARAMS: &'static [ParamSpec] =
+        blocker_params!(SQUARING, params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
 
     fn new(params: &Params) -> Self {
         HybridExp { rule: squaring(params) }
@@ -136,7 +140,7 @@ impl Exponential for HybridExp {
 pub(crate) struct EigenExp;
 
 impl Exponential for EigenExp {
-    const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER);
+    const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
 
     fn new(_: &Params) -> Self {
         EigenExp

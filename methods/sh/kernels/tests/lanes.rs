@@ -30,6 +30,7 @@ impl<T: Real> Task<T> for Operations<'_, T> {
                 ("mul_add", a.mul_add(b, c)),
                 ("neg_mul_add", a.neg_mul_add(b, c)),
                 ("sqrt", a.abs().sqrt()),
+                ("rsqrt", a.abs().rsqrt()),
                 ("min", a.min(b)),
                 ("max", a.max(b)),
                 ("floor", a.floor()),
@@ -66,6 +67,7 @@ fn expected<T: Real>(name: &str, width: usize, lane: usize, [a, b, c]: [&Block<T
         "mul_add" => (x * y + z, rounding),
         "neg_mul_add" => (z - x * y, rounding),
         "sqrt" => (x.abs().sqrt(), 0.0),
+        "rsqrt" => (1.0 / x.abs().sqrt(), 4.0 * T::EPSILON.to_f64() / x.abs().sqrt()),
         "min" => (if less(lane) { x } else { y }, 0.0),
         "max" => (if x > y { x } else { y }, 0.0),
         "floor" => (x.floor(), 0.0),
@@ -92,7 +94,7 @@ fn check_operations<T: Real>(simd: Simd, width: usize) {
         let table = wave(4.0, 5.0).0;
         let mut results = Results::new();
         run(simd, Operations { a, b, c, table, results: &mut results });
-        assert_eq!(results.len(), 18);
+        assert_eq!(results.len(), 19);
         for (name, got) in results {
             for lane in 0..LANES {
                 let (want, slack) = expected(name, width, lane, [&a, &b, &c], &table);

@@ -239,6 +239,12 @@ impl Lanes for F32x8 {
     );
 
     #[inline(always)]
+    fn rsqrt(self) -> Self {
+        // SAFETY: as in `splat`.
+        self.refine_rsqrt(F32x8(unsafe { _mm256_rsqrt_ps(self.0) }))
+    }
+
+    #[inline(always)]
     fn pow2(self) -> Self {
         // SAFETY: as in `splat`.
         unsafe {
@@ -298,6 +304,11 @@ impl Lanes for F64x4 {
         _mm256_movemask_pd,
         _mm256_cvtsd_f64
     );
+
+    #[inline(always)]
+    fn rsqrt(self) -> Self {
+        Self::constant(1.0).div(self.sqrt())
+    }
     transposes!(F64x4, f64, 4, _mm256_loadu_pd, _mm256_storeu_pd, transpose_four);
 
     #[inline(always)]

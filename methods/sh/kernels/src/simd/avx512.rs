@@ -240,6 +240,12 @@ impl Lanes for F32x16 {
     );
 
     #[inline(always)]
+    fn rsqrt(self) -> Self {
+        // SAFETY: as in `splat`.
+        self.refine_rsqrt(F32x16(unsafe { _mm512_rsqrt14_ps(self.0) }))
+    }
+
+    #[inline(always)]
     fn sum_rows(rows: &[Block<f32>], out: &mut [f32]) {
         // SAFETY: as in `splat`; a row holds the lanes that are read.
         unsafe {
@@ -285,6 +291,11 @@ impl Lanes for F64x8 {
         _mm512_extractf64x4_pd,
         transpose_halves_of_four
     );
+
+    #[inline(always)]
+    fn rsqrt(self) -> Self {
+        Self::constant(1.0).div(self.sqrt())
+    }
 
     #[inline(always)]
     fn select_from(self, table: &[f64; 16]) -> Self {

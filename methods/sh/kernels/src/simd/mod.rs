@@ -105,6 +105,8 @@ pub trait Lanes: Copy + 'static {
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
     /// The square root.
     fn sqrt(self) -> Self;
+    /// `1/√self` of a positive normal number, to four roundings; on some machines far quicker than a root and a quotient.
+    fn rsqrt(self) -> Self;
     /// The smaller one; `other` if either is NaN.
     fn min(self, other: Self) -> Self;
     /// The larger one; `other` if either is NaN.
@@ -141,6 +143,13 @@ pub trait Lanes: Copy + 'static {
     #[inline(always)]
     fn constant(value: f64) -> Self {
         Self::splat(Self::Scalar::from_f64(value))
+    }
+
+    /// `1/√self` from an estimate, by a step of Newton's: an error of e leaves one of 1.5·e².
+    #[inline(always)]
+    fn refine_rsqrt(self, estimate: Self) -> Self {
+        let square = self.mul(estimate).mul(estimate);
+        estimate.mul(square.neg_mul_add(Self::constant(0.5), Self::constant(1.5)))
     }
 
     /// The magnitude.

@@ -54,6 +54,10 @@ macro_rules! scalar {
                 Real::sqrt(self)
             }
             #[inline(always)]
+            fn rsqrt(self) -> Self {
+                1.0 / Real::sqrt(self)
+            }
+            #[inline(always)]
             fn min(self, other: Self) -> Self {
                 if self < other { self } else { other }
             }
