@@ -30,16 +30,18 @@ impl Track {
         Ok(Track { placed: placed.collect(), scene, ground: ground * ground })
     }
 
-    /// The ray-traced truth, the noise of every frame independent of the others'. Half the error that is asked for, since
+    /// A reference at every so many frames, the noise of each independent of the others'. Half the error that is asked for, since
     /// frames differ by little.
-    pub(super) fn truth(&self, bench: &Bench) -> Result<Vec<Seen>, Error> {
+    pub(super) fn traced(&self, bench: &Bench, reference: &str, every: usize) -> Result<Vec<Seen>, Error> {
+        let reference = Reference::parse(reference).map_err(|error| Error::Other(error.to_string()))?;
         let quality = &bench.terms.quality;
         let quality = Quality { standard_error: quality.standard_error / 2.0, ..*quality };
         let traced = |(index, scene): (usize, &Scene)| {
             let question = Question { seed: 1 + index as u64, ..direct(scene, index) };
-            Asked::new(&question, &quality, &bench.terms.cache)?.see(&What::Reference(Reference::TRUTH), &mut silent)
+            let asked = Asked::new(&question, &quality, &bench.terms.cache)?;
+            asked.see(&What::Reference(reference.clone()), &mut silent)
         };
-        self.placed.iter().enumerate().map(traced).collect()
+        self.placed.iter().enumerate().step_by(every).map(traced).collect()
     }
 
     /// The ground's receivers alone, or the skin's.
@@ -98,9 +100,9 @@ mod tests {
         let track = Track::new("walker", 120.0, 14, 10, 100).unwrap();
         let shaded =
             |spheres| track.shaded(&bench, &Setting::new("shexp/hyb", &[("spheres", spheres)]).unwrap()).unwrap();
-        let mut run = shaded("20");
-        assert_eq!(pops(&bends(&run)), [0usize; 0], "{:?}", bends(&run));
+        let (mut run, truth) = (shaded("20"), bends(&track.traced(&bench, "truth", 1).unwrap()));
+        assert_eq!(pops(&bends(&run), &truth), [0usize; 0], "{:?}", bends(&run));
         run[7] = shaded("19").swap_remove(7);
-        assert_eq!(pops(&bends(&run)), [6, 7, 8], "{:?}", bends(&run));
+        assert_eq!(pops(&bends(&run), &truth), [6, 7, 8], "{:?}", bends(&run));
     }
 }
