@@ -52,10 +52,18 @@ pub struct Entry {
 }
 
 /// The suites that come with the program.
-pub(crate) const SHIPPED: [(&str, &str); 5] = [
+pub(crate) const SHIPPED: [(&str, &str); 13] = [
     ("quick", include_str!("../suites/quick.toml")),
     ("full", include_str!("../suites/full.toml")),
     ("paper/shexp", include_str!("../suites/paper/shexp.toml")),
+    ("paper/hw-fig3", include_str!("../suites/paper/hw-fig3.toml")),
+    ("paper/hw-fig4", include_str!("../suites/paper/hw-fig4.toml")),
+    ("paper/hw-fig6", include_str!("../suites/paper/hw-fig6.toml")),
+    ("paper/hw-fig8", include_str!("../suites/paper/hw-fig8.toml")),
+    ("paper/hw-fig9", include_str!("../suites/paper/hw-fig9.toml")),
+    ("paper/hw-fig10", include_str!("../suites/paper/hw-fig10.toml")),
+    ("paper/hw-fig11", include_str!("../suites/paper/hw-fig11.toml")),
+    ("paper/hw-table1", include_str!("../suites/paper/hw-table1.toml")),
     ("scaling", include_str!("../suites/scaling.toml")),
     ("gate", include_str!("../suites/gate.toml")),
 ];

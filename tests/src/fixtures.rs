@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use halflight_scenes::{
-    Bodies, Content, DistantLight, Emission, Environment, Grid, KeyLight, Light, Mesh, Object, Placement, Pose, Rgb,
-    Scene, Shape, Sky, Sphere,
+    Bodies, Content, DistantLight, Emission, Environment, Grid, HeightField, KeyLight, Light, Mesh, Object, Placement,
+    Pose, Rgb, Scene, Shape, Sky, Sphere,
 };
 
-/// Every fixture of exact spheres. [`mesh_in_two_lights`] is left out: what methods derive from a mesh takes long, and
+/// Every fixture of exact spheres, and hills. [`mesh_in_two_lights`] is left out: what methods derive from a mesh takes long, and
 /// checks derive it many times.
 pub fn all() -> Vec<Scene> {
-    vec![sphere_over_plane(), overlapping_spheres(), moving_sphere(), two_lights(), moving_lamp(), stress()]
+    vec![sphere_over_plane(), overlapping_spheres(), moving_sphere(), two_lights(), moving_lamp(), stress(), hills()]
 }
 
 /// A sphere in a coloured ground under an overcast sky, on a grid: the ground's plane cuts it, and some receivers are
@@ -70,6 +70,29 @@ pub fn moving_lamp() -> Scene {
     let motion = vec![(0.0, there(1.2, 0.0)), (1.0, there(0.0, 1.2)), (2.0, there(-1.2, 0.0))];
     let lamp = Object { emission: Emission::Even(Rgb::new(9.0, 6.0, 3.0)), motion, ..lamp };
     Scene { frame_count: 3, ..scene("moving-lamp", vec![ground(), ball, lamp], vec![overcast()], grid()) }
+}
+
+/// A height field that rises within three frames below a sphere that moves over it, under an environment map and two key lights, one of
+/// them low.
+pub fn hills() -> Scene {
+    let there = |x, z| Pose { translation: Vec3::new(x, 0.0, z), ..Pose::IDENTITY };
+    let height = |i: usize| {
+        let (x, y) = ((i % 12) as f32, (i / 12) as f32);
+        0.4 * (1.1 * x).sin() * (0.9 * y + 0.3).cos() + if x > 8.0 { 0.5 } else { 0.0 }
+    };
+    let heights = (0..120).map(height).collect();
+    let field = HeightField::new([12, 10], Vec2::new(-2.0, -1.8), Vec2::new(0.35, 0.4), heights);
+    let mut ground = object("ground", Shape::Heights(field), true);
+    ground.motion = vec![(0.0, there(0.0, 0.0)), (2.0, there(0.3, 0.5))];
+    let mut ball = spheres("ball", vec![sphere(Vec3::new(0.0, 0.0, 1.4), 0.3)]);
+    ball.motion = vec![(0.0, there(0.0, 0.0)), (2.0, there(1.0, 0.2))];
+    let low = KeyLight {
+        direction: Vec3::new(-0.8, 0.6, 0.15).normalize(),
+        angular_radius: 3f32.to_radians(),
+        radiance: Rgb::new(40.0, 30.0, 20.0),
+    };
+    let lights = vec![gradient(), key(), Light::Key(low)];
+    Scene { frame_count: 3, ..scene("hills", vec![ground, ball], lights, Placement::Heights { object: 0 }) }
 }
 
 /// An octahedron over the ground under an environment map and a key light.

@@ -5,21 +5,30 @@ use super::rows::ROWS;
 use halflight_results::{Measured, Store};
 use std::fmt::Write;
 
-/// The page: a table of verdicts, then a section a row.
+/// Papers, by the letter that their rows' ids begin with.
+const PAPERS: [(&str, &str); 2] = [
+    ("S", "Ren et al. 2006: soft shadows by spherical harmonic exponentiation"),
+    ("H", "Snyder and Nowrouzezahrai 2008: fast soft self-shadowing on dynamic height fields"),
+];
+
+/// The page: for each paper a table of verdicts, then a section a row.
 pub fn page(store: &Store) -> String {
-    let judged: Vec<_> = ROWS.iter().map(|row| (row, store.measured(row.id))).collect();
     let mut page = String::from(
-        "# Ledger: Ren et al. 2006\n\n\
-         Written by `halflight ledger` from the lines in `reports/ledger`; do not edit. What the paper says, what it prints, what\n\
+        "# Ledger\n\n\
+         Written by `halflight ledger` from the lines in `reports/ledger`; do not edit. What papers say, what they print, what\n\
          `halflight ledger measure` found here, and what follows. Intervals hold the median of interleaved rounds, or an estimate\n\
-         against ray-traced references, with 95%; a figure without one is counted or computed and has no spread.\n\n\
-         | row | claim | verdict |\n|---|---|---|\n",
+         against ray-traced references, with 95%; a figure without one is counted or computed and has no spread.\n",
     );
-    for (row, figures) in &judged {
-        let verdict = judgement(row, figures).verdict.name();
-        let _ = writeln!(page, "| {} | {} | {verdict} |", row.id, row.claim);
+    for (letter, paper) in PAPERS {
+        let rows = ROWS.iter().filter(|row| row.id.starts_with(letter));
+        let judged: Vec<_> = rows.map(|row| (row, store.measured(row.id))).collect();
+        let _ = write!(page, "\n## {paper}\n\n| row | claim | verdict |\n|---|---|---|\n");
+        for (row, figures) in &judged {
+            let verdict = judgement(row, figures).verdict.name();
+            let _ = writeln!(page, "| {} | {} | {verdict} |", row.id, row.claim);
+        }
+        judged.iter().for_each(|(row, figures)| section(&mut page, row, figures));
     }
-    judged.iter().for_each(|(row, figures)| section(&mut page, row, figures));
     page
 }
 
@@ -33,7 +42,7 @@ pub(crate) fn judgement(row: &Row, figures: &[&Measured]) -> Judgement {
 
 fn section(page: &mut String, row: &Row, figures: &[&Measured]) {
     let Judgement { verdict, why } = judgement(row, figures);
-    let _ = write!(page, "\n## {}: {}\n\n{} ({}).\n\n", row.id, verdict.name(), row.claim, row.place);
+    let _ = write!(page, "\n### {}: {}\n\n{} ({}).\n\n", row.id, verdict.name(), row.claim, row.place);
     let _ = writeln!(page, "**{}.** {why}\n", capital(verdict.name()));
     let _ = writeln!(page, "| quantity | paper | ours | 95% interval | of |\n|---|---|---|---|---|");
     for figure in figures {
@@ -109,7 +118,7 @@ mod tests {
             }
         });
         assert!(page.contains("| entries that selection rules allow, order 4 | 369 | 369 | – | 4096 |"), "{page}");
-        assert!(page.contains("## S1: confirmed"), "{page}");
+        assert!(page.contains("### S1: confirmed"), "{page}");
         assert_ne!(page, changed(|_| {}));
     }
 
@@ -120,7 +129,14 @@ mod tests {
                 figure.taken += 1;
             }
         });
-        assert!(page.contains("## S1: not measured"), "the later figures are not all");
+        assert!(page.contains("### S1: not measured"), "the later figures are not all");
+    }
+
+    #[test]
+    fn every_row_is_of_a_paper() {
+        for row in ROWS {
+            assert_eq!(PAPERS.iter().filter(|(letter, _)| row.id.starts_with(letter)).count(), 1, "{}", row.id);
+        }
     }
 
     /// A paper's figure stands beside a quantity of ours, not beside a name that nothing has.

@@ -80,11 +80,11 @@ impl Seen {
             zonal.resize(order * circles.sines.len(), Block::ZERO);
             lobes.resize(size * circles.sines.len(), Block::ZERO);
             match how {
-                How::Product => batch.circle_visibilities(&circles.sines, zonal),
-                _ => batch.circle_logs(&circles.sines, zonal),
+                How::Product => batch.circle_visibilities(circles.sines, zonal),
+                _ => batch.circle_logs(circles.sines, zonal),
             }
-            batch.rotate_zonal(zonal, &circles.axes, lobes);
-            for (lobe, sines) in lobes.chunks_exact(size).zip(&circles.sines) {
+            batch.rotate_zonal(zonal, circles.axes, lobes);
+            for (lobe, sines) in lobes.chunks_exact(size).zip(circles.sines) {
                 unpack(order, lobe, vectors);
                 let lanes = vertices.iter_mut().zip(vectors.chunks_exact(size)).zip(&sines.0).take(numbers.len());
                 lanes.filter(|(_, sine)| **sine > 0.0).for_each(|((vertex, circle), _)| vertex.add(circle, how));

@@ -9,7 +9,7 @@ use halflight_contract::{
 use halflight_light::{LightOf, SceneLight, ShLight};
 use halflight_proxies::{PosedSpheres, Proxy, blockers, proxies};
 use halflight_scenes::{Frame, Receivers, Scene, SceneFacts};
-use halflight_sh::{Batch, Block, apply_bands, window};
+use halflight_sh::{Batch, Block, apply_bands, coefficients, window};
 use rayon::prelude::*;
 
 use crate::clustered::{self, Clustered};
@@ -36,7 +36,7 @@ pub trait Accumulator: Send + Sync + Sized {
     /// Starts 16 receivers.
     fn begin(&self, state: &mut Self::State);
     /// Adds blockers: at each receiver the circles in its lane, in the order given. A lane without a circle stays as it is.
-    fn block(&self, state: &mut Self::State, circles: &Circles);
+    fn block(&self, state: &mut Self::State, circles: &Circles<'_>);
     /// Writes the visibilities, as many blocks as the accumulated order has coefficients, and counts the SH operations spent on
     /// them. `blockers` holds the number of circles at each receiver; lanes beyond are nobody's.
     fn finish(&self, state: &mut Self::State, blockers: &[u32], visibility: &mut [Block<f32>], work: &mut Work);
@@ -156,7 +156,10 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
         let blockers = Blockers { spheres: &self.spheres.spheres, ratios: &[] };
         let chunks = result.par_chunks_mut(size).enumerate();
         let (tally, work) = chunks
-            .map(|(chunk, out)| shading.chunk(receivers, chunk * CHUNK, blockers, out))
+            .map_init(
+                || shading.scratch(),
+                |scratch, (chunk, out)| shading.chunk(receivers, chunk * CHUNK, blockers, scratch, out),
+            )
             .reduce(Default::default, |a, b| (a.0 + b.0, a.1 + b.1));
         (tally, work, Visits::default())
     }
@@ -171,16 +174,17 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
     ) -> (Tally, Work, Visits) {
         let (shading, channels) = (self.shading(), self.quantity.channels());
         let forest = clustered.forest(&self.spheres);
-        let shade = |cut: &mut Cut, cluster| {
+        let shade = |(cut, scratch): &mut (Cut, _), cluster| {
             let visits = forest.cut(rule, self.gather, shading.fine, receivers, cluster, cut);
             let members = clustered.members(cluster);
             let mut out = vec![0.0; members.len() * channels];
-            let (tally, work) = shading.shade(receivers, members, cut.blockers(), |place, values| {
+            let (tally, work) = shading.shade(receivers, members, cut.blockers(), scratch, |place, values| {
                 out[place * channels..][..channels].copy_from_slice(values);
             });
             (out, (tally, work, visits))
         };
-        let shaded: Vec<_> = clustered.clusters().par_iter().map_init(Cut::default, shade).collect();
+        let shaded: Vec<_> =
+            clustered.clusters().par_iter().map_init(|| (Cut::default(), shading.scratch()), shade).collect();
         let mut sums = (Tally::default(), Work::default(), Visits::default());
         for (cluster, (out, (tally, work, visits))) in clustered.clusters().iter().zip(shaded) {
             for (&receiver, values) in clustered.members(cluster).iter().zip(out.chunks_exact(channels)) {
@@ -201,7 +205,11 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             guard: self.params.flag(params::GUARD.name),
             light_window: &self.light_window,
             lamps: &self.lamps,
-            visibility_window: self.params.flag(params::WINDOW_VISIBILITY.name).then(|| bands(self.order)),
+            visibility_window: self.params.flag(params::WINDOW_VISIBILITY.name).then(|| {
+                let mut window = vec![1.0; coefficients(self.order)];
+                apply_bands(&bands(self.order), &mut window);
+                window
+            }),
             light: self.lit.rgb.clone().map(|mut channel| {
                 apply_bands(&self.light_window, &mut channel);
                 channel

@@ -4,10 +4,7 @@ use halflight_proxies::SelfShadow;
 use halflight_scenes::{Receivers, Sphere};
 use halflight_sh::{LANES, Simd, run};
 
-use crate::seen::{Circles, Counts, Group, Seen};
-
-/// Spheres looked at before their circles are accumulated: few, so that the circles stay in the nearest cache.
-const SPHERES: usize = 16;
+use crate::seen::{Circles, Found, Group, SPHERES, Seen};
 
 /// Which blockers count.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +61,7 @@ impl Gather {
         numbers: &[usize],
         blockers: Blockers<'_>,
         tally: &mut Tally,
-        accumulate: impl FnMut(&Circles),
+        accumulate: impl FnMut(&Circles<'_>),
     ) -> [u32; LANES] {
         self.circles_by(Simd::best(), receivers, numbers, blockers, tally, accumulate)
     }
@@ -76,32 +73,26 @@ impl Gather {
         numbers: &[usize],
         Blockers { spheres, ratios }: Blockers<'_>,
         tally: &mut Tally,
-        mut accumulate: impl FnMut(&Circles),
+        mut accumulate: impl FnMut(&Circles<'_>),
     ) -> [u32; LANES] {
         assert!((1..=LANES).contains(&numbers.len()), "{} receivers, expected 1 to {LANES}", numbers.len());
-        let group = Group::new(receivers, numbers);
-        let mut circles = Circles::default();
-        let mut blockers = [0; LANES];
+        let (group, mut found) = (Group::new(receivers, numbers), Found::new());
         let bands = ratios.len() / spheres.len().max(1);
         for (number, spheres) in spheres.chunks(SPHERES).enumerate() {
-            let mut counts = Counts::default();
-            let (group, circles, first) = (&group, &mut circles, (number * SPHERES) as u32);
-            run(simd, Seen { gather: *self, group, spheres, first, circles, counts: &mut counts });
-            let Circles { places, ratios: kept, .. } = circles;
-            kept.clear();
-            places.iter().for_each(|&place| kept.extend_from_slice(&ratios[place as usize * bands..][..bands]));
-            blockers.iter_mut().zip(counts.accumulated.0).for_each(|(sum, count)| *sum += count as u32);
-            for lane in 0..numbers.len() {
-                let (accumulated, too_small) = (counts.accumulated.0[lane] as u64, counts.too_small.0[lane] as u64);
-                tally.accumulated += accumulated;
-                tally.too_small += too_small;
-                tally.removed += spheres.len() as u64 - accumulated - too_small;
-            }
+            let first = (number * SPHERES) as u32;
+            run(simd, Seen { gather: *self, group: &group, spheres, first, found: &mut found });
+            let circles = found.circles(ratios, bands);
             if !circles.sines.is_empty() {
-                accumulate(circles);
+                accumulate(&circles);
             }
         }
-        blockers
+        for lane in 0..numbers.len() {
+            let (accumulated, too_small) = (found.accumulated.0[lane] as u64, found.too_small.0[lane] as u64);
+            tally.accumulated += accumulated;
+            tally.too_small += too_small;
+            tally.removed += spheres.len() as u64 - accumulated - too_small;
+        }
+        found.accumulated.0.map(|count| count as u32)
     }
 }
 
@@ -185,7 +176,7 @@ mod tests {
                         }
                         assert_eq!(ratios[1], 0.5);
                     }
-                    for (axes, sines) in seen.axes.iter().zip(&seen.sines) {
+                    for (axes, sines) in seen.axes.iter().zip(seen.sines) {
                         assert!(sines.0.iter().any(|sine| *sine > 0.0), "a sphere that nobody sees");
                         for (lane, list) in circles.iter_mut().enumerate() {
                             let axis = Vec3::from_array(std::array::from_fn(|i| axes[i].0[lane]));

@@ -10,7 +10,7 @@
 //! # The way of the data
 //!
 //! Valid receivers go 16 together, a lane each: spheres → [`Circles`], some spheres at a time → the accumulator's state →
-//! visibility in blocks → one vector a receiver, which the guard and the window change → blocks → `H(N) * g` → colours. Lanes do
+//! visibility in blocks, which the guard and the window change → `H(N) * g` → colours. Lanes do
 //! not influence one another: without cuts a receiver's result does not depend on its company. With cuts receivers go cluster by
 //! cluster, and the spheres are those that its cut selects, some with a ratio vector.
 

@@ -3,22 +3,65 @@
 use glam::Vec3;
 use halflight_proxies::SelfShadow;
 use halflight_scenes::{Receivers, Sphere};
-use halflight_sh::{Block, LANES, Lanes, Task};
+use halflight_sh::{Block, LANES, Lanes, MAX_ORDER, Task};
 
 use crate::Gather;
 
+/// Spheres looked at before their circles are accumulated: few, so that the circles stay in the nearest cache.
+pub(crate) const SPHERES: usize = 32;
+
 /// Circles of directions that some spheres block at 16 receivers: an entry for each sphere, a lane for each receiver.
-#[derive(Clone, Debug, Default)]
-pub struct Circles {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Circles<'a> {
     /// Unit directions of the circles' centres; anything finite where there is no circle.
-    pub axes: Vec<[Block<f32>; 3]>,
+    pub axes: &'a [[Block<f32>; 3]],
     /// Sines of the angular radii, in `(0, 1]`; 0 where there is no circle.
-    pub sines: Vec<Block<f32>>,
+    pub sines: &'a [Block<f32>],
     /// The place of each circle's sphere among all blockers, ascending.
-    pub places: Vec<u32>,
+    pub places: &'a [u32],
     /// Factors for the bands of the circles' log visibilities, the same in all lanes, as many a circle as there are bands; none if
     /// nothing is scaled, which is so unless a method declares [`crate::params::CUT`].
-    pub ratios: Vec<f32>,
+    pub ratios: &'a [f32],
+}
+
+/// Room for the circles of some spheres.
+#[derive(Clone, Debug)]
+pub(crate) struct Found {
+    axes: [[Block<f32>; 3]; SPHERES],
+    sines: [Block<f32>; SPHERES],
+    places: [u32; SPHERES],
+    ratios: [f32; SPHERES * MAX_ORDER],
+    kept: usize,
+    /// Circles seen lane by lane; `f32` counts exactly up to far more spheres than one receiver sees.
+    pub(crate) accumulated: Block<f32>,
+    /// Those below the smallest angle.
+    pub(crate) too_small: Block<f32>,
+}
+
+impl Found {
+    pub(crate) fn new() -> Self {
+        Found {
+            axes: [[Block::ZERO; 3]; SPHERES],
+            sines: [Block::ZERO; SPHERES],
+            places: [0; SPHERES],
+            ratios: [0.0; SPHERES * MAX_ORDER],
+            kept: 0,
+            accumulated: Block::ZERO,
+            too_small: Block::ZERO,
+        }
+    }
+
+    /// The circles found last, with the ratios of their spheres, `bands` each.
+    pub(crate) fn circles(&mut self, ratios: &[f32], bands: usize) -> Circles<'_> {
+        let Found { axes, sines, places, ratios: scaled, kept, .. } = self;
+        let (places, scaled) = (&places[..*kept], &mut scaled[..*kept * bands]);
+        if bands > 0 {
+            for (scaled, &place) in scaled.chunks_exact_mut(bands).zip(places) {
+                scaled.copy_from_slice(&ratios[place as usize * bands..][..bands]);
+            }
+        }
+        Circles { axes: &axes[..*kept], sines: &sines[..*kept], places, ratios: scaled }
+    }
 }
 
 /// 16 receivers.
@@ -31,44 +74,37 @@ pub(crate) struct Group {
 impl Group {
     /// The receivers of the numbers given, 1 to 16; the last one fills the lanes that are left.
     pub(crate) fn new(receivers: &Receivers, numbers: &[usize]) -> Self {
-        let block = |value: &dyn Fn(usize) -> f32| {
-            Block(std::array::from_fn(|lane| value(numbers[lane.min(numbers.len() - 1)])))
-        };
-        Group {
-            position: std::array::from_fn(|axis| block(&|receiver| receivers.position[receiver][axis])),
-            normal: std::array::from_fn(|axis| block(&|receiver| receivers.geometric_normal[receiver][axis])),
-        }
+        Group { position: lanes(numbers, &receivers.position), normal: lanes(numbers, &receivers.geometric_normal) }
     }
 }
 
-/// Circles seen lane by lane; `f32` counts exactly up to far more spheres than one call sees.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
-    pub(crate) accumulated: Block<f32>,
-    pub(crate) too_small: Block<f32>,
+/// The vectors of 1 to 16 receivers, a lane each; the last one fills the lanes that are left.
+pub(crate) fn lanes(numbers: &[usize], vectors: &[Vec3]) -> [Block<f32>; 3] {
+    let mut blocks = [Block::ZERO; 3];
+    for lane in 0..LANES {
+        let Vec3 { x, y, z } = vectors[numbers[lane.min(numbers.len() - 1)]];
+        (blocks[0].0[lane], blocks[1].0[lane], blocks[2].0[lane]) = (x, y, z);
+    }
+    blocks
 }
 
-/// Finds the circles of spheres that some lane sees.
+/// Finds the circles of spheres, at most [`SPHERES`], that some lane sees.
 pub(crate) struct Seen<'a> {
     pub(crate) gather: Gather,
     pub(crate) group: &'a Group,
     pub(crate) spheres: &'a [Sphere],
     /// Place of the first of them among all.
     pub(crate) first: u32,
-    pub(crate) circles: &'a mut Circles,
-    pub(crate) counts: &'a mut Counts,
+    pub(crate) found: &'a mut Found,
 }
 
 impl Task<f32> for Seen<'_> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
-        let Circles { axes, sines, places, .. } = self.circles;
-        places.clear();
-        axes.resize(self.spheres.len(), [Block::ZERO; 3]);
-        sines.resize(self.spheres.len(), Block::ZERO);
+        let Found { axes, sines, places, kept: found, accumulated, too_small, .. } = self.found;
         let (zero, one) = (V::constant(0.0), V::constant(1.0));
         let least = V::splat(self.gather.min_sin_angle);
-        let mut kept = 0;
+        let (mut kept, mut counted_lanes, mut dropped_lanes) = (0, Block::ZERO, Block::ZERO);
         for (number, sphere) in self.spheres.iter().enumerate() {
             let mut seen = false;
             for part in 0..LANES / V::WIDTH {
@@ -76,8 +112,8 @@ impl Task<f32> for Seen<'_> {
                 let counted = circle.sine.where_less(least, zero, circle.sine);
                 let exists = zero.where_less(counted, one, zero);
                 let dropped = zero.where_less(circle.sine, one.sub(exists), zero);
-                add(exists, &mut self.counts.accumulated, part);
-                add(dropped, &mut self.counts.too_small, part);
+                add(exists, &mut counted_lanes, part);
+                add(dropped, &mut dropped_lanes, part);
                 for (value, axis) in circle.axis.into_iter().zip(&mut axes[kept]) {
                     value.store(&mut axis.0, part);
                 }
@@ -85,12 +121,15 @@ impl Task<f32> for Seen<'_> {
                 seen |= zero.any_less(counted);
             }
             if seen {
-                places.push(self.first + number as u32);
+                places[kept] = self.first + number as u32;
                 kept += 1;
             }
         }
-        axes.truncate(kept);
-        sines.truncate(kept);
+        *found = kept;
+        for part in 0..LANES / V::WIDTH {
+            add(V::load(&counted_lanes.0, part), accumulated, part);
+            add(V::load(&dropped_lanes.0, part), too_small, part);
+        }
     }
 }
 
@@ -193,8 +232,7 @@ fn dot<V: Lanes>(a: [V; 3], b: [V; 3]) -> V {
 fn circle<V: Lanes<Scalar = f32>>(to: [V; 3], radius: V) -> LaneCircle<V> {
     let (zero, one) = (V::constant(0.0), V::constant(1.0));
     let distance = dot(to, to).sqrt();
-    let sine = radius.div(distance).min(one);
-    let sine = zero.where_less(radius, zero.where_less(distance, sine, zero), zero);
-    let nearness = zero.where_less(sine, one.div(distance), zero);
+    let nearness = zero.where_less(distance, one.div(distance), zero);
+    let sine = radius.max(zero).mul(nearness).min(one);
     LaneCircle { axis: [to[0].mul(nearness), to[1].mul(nearness), to[2].mul(nearness)], sine }
 }

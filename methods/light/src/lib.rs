@@ -9,4 +9,4 @@ mod project;
 mod recipe;
 
 pub use project::project;
-pub use recipe::{LightOf, SceneLight, ShLight};
+pub use recipe::{EachLightOf, LightOf, SceneLight, ShLight};

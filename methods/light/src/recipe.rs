@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use glam::Mat3;
 use halflight_contract::{Derived, Job, Meter, Result};
-use halflight_scenes::{Light, Scene, Turn};
+use halflight_scenes::{DistantLight, Light, Scene, Turn};
 use halflight_sh::{Rotation, coefficients};
 
 use crate::project;
@@ -70,14 +70,39 @@ impl Derived for LightOf {
     }
 
     fn make(&self, job: &Job<'_, '_>, _: &mut dyn Meter) -> Result<SceneLight> {
-        let lights = &job.scene.lights;
-        let still = self.sum(lights.iter().filter(|light| light.turn.is_none()).map(|light| &light.rest));
-        let turning = lights.iter().filter_map(|light| Some((self.sum([&light.rest].into_iter()), light.turn?)));
-        Ok(SceneLight { still, turning: turning.collect() })
+        Ok(self.together(&job.scene.lights))
+    }
+}
+
+/// Recipe for each light of a scene by itself, in the scene's order.
+#[derive(Clone, Copy, Debug)]
+pub struct EachLightOf {
+    /// SH order, 1 to 8.
+    pub order: usize,
+}
+
+impl Derived for EachLightOf {
+    type Value = Vec<SceneLight>;
+    const NAME: &'static str = "sh-lights";
+    const REVISION: &'static str = LightOf::REVISION;
+
+    fn key(&self, scene: &Scene) -> String {
+        LightOf { order: self.order }.key(scene)
+    }
+
+    fn make(&self, job: &Job<'_, '_>, _: &mut dyn Meter) -> Result<Vec<SceneLight>> {
+        let of = LightOf { order: self.order };
+        Ok(job.scene.lights.iter().map(|light| of.together(std::slice::from_ref(light))).collect())
     }
 }
 
 impl LightOf {
+    fn together(&self, lights: &[DistantLight]) -> SceneLight {
+        let still = self.sum(lights.iter().filter(|light| light.turn.is_none()).map(|light| &light.rest));
+        let turning = lights.iter().filter_map(|light| Some((self.sum([&light.rest].into_iter()), light.turn?)));
+        SceneLight { still, turning: turning.collect() }
+    }
+
     fn sum<'l>(&self, lights: impl Iterator<Item = &'l Light>) -> ShLight {
         let mut sum = [0; 3].map(|_| vec![0.0; coefficients(self.order)]);
         for light in lights {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use halflight_contract::{Codec, Derived, Error, Flow, Job, Meter, Result};
-use halflight_scenes::{Scene, Shape, Sphere};
+use halflight_scenes::{Object, Scene, Shape, Sphere};
 
 use crate::{BindingOf, MAX_COUNT, Proxy, SphereSet, sphere_set};
 
@@ -56,11 +56,13 @@ impl Derived for SpheresOf {
     }
 }
 
-/// What stands for the objects of a job's scene, one entry an object: `None` for objects that cast no shadow.
+/// What stands for the objects of a job's scene, one entry an object: `None` for objects that cast no shadow, and for height fields, for
+/// which spheres cannot stand.
 pub fn proxies(job: &Job<'_, '_>, count: usize, meter: &mut dyn Meter) -> Result<Vec<Option<Proxy>>> {
     let proxy = |object: usize| {
         let spheres = SpheresOf { object, count };
-        match (job.scene.objects[object].casts, job.scene.objects[object].deformation.is_some()) {
+        let Object { casts, shape, deformation, .. } = &job.scene.objects[object];
+        match (*casts && !matches!(**shape, Shape::Heights(_)), deformation.is_some()) {
             (false, _) => Ok(None),
             (true, false) => Ok(Some(Proxy { set: job.derive(&spheres, meter)?, binding: None })),
             (true, true) => {

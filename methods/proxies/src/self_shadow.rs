@@ -84,9 +84,9 @@ pub fn seen(rule: SelfShadow, position: Vec3, normal: Vec3, sphere: &Sphere) -> 
 }
 
 fn circle(to: Vec3, radius: f32) -> Option<Circle> {
-    let distance = to.length();
-    (radius > 0.0 && distance > 0.0)
-        .then(|| Circle { axis: to / distance, sin_angle: (radius / distance).min(1.0) })
+    let nearness = to.length().recip();
+    (radius > 0.0 && nearness.is_finite())
+        .then(|| Circle { axis: to * nearness, sin_angle: (radius * nearness).min(1.0) })
         .filter(|circle| circle.sin_angle > 0.0)
 }
 

@@ -14,6 +14,13 @@ pub fn methods() -> Vec<&'static dyn Method> {
         &halflight_shexp::Eigen,
         &halflight_shexp::Quadrature,
         &halflight_ambient_occlusion::Elements,
+        &halflight_horizon_wedges::COMPLETE,
+        &halflight_horizon_wedges::PARTIAL,
+        &halflight_horizon_wedges::MARCH,
+        &halflight_horizon_wedges::SWEEP,
+        &halflight_horizon_wedges::HARD,
+        &halflight_horizon_wedges::AMBIENT,
+        &halflight_horizon_wedges::BLOCKERS,
     ]
 }
 

@@ -79,8 +79,8 @@ impl Accumulator for TreeProduct {
         state.free.extend(state.waiting.drain(..).map(|node| node.product));
     }
 
-    fn block(&self, state: &mut State, Circles { axes, sines, places, .. }: &Circles) {
-        for ((axis, sine), place) in axes.iter().zip(sines).zip(places) {
+    fn block(&self, state: &mut State, Circles { axes, sines, places, .. }: &Circles<'_>) {
+        for ((axis, sine), place) in axes.iter().zip(*sines).zip(*places) {
             self.climb(state, Some(*place));
             let mut product = state.free.pop().unwrap_or_else(|| vec![Block::ZERO; coefficients(self.batch.order())]);
             self.batch.circle_visibilities(std::slice::from_ref(sine), &mut state.zonal);
@@ -106,9 +106,24 @@ mod tests {
 
     use super::*;
 
+    /// Circles of their own.
+    #[derive(Default)]
+    struct List {
+        axes: Vec<[Block<f32>; 3]>,
+        sines: Vec<Block<f32>>,
+        places: Vec<u32>,
+    }
+
+    impl List {
+        fn part(&self, part: std::ops::Range<usize>) -> Circles<'_> {
+            let List { axes, sines, places } = self;
+            Circles { axes: &axes[part.clone()], sines: &sines[part.clone()], places: &places[part], ratios: &[] }
+        }
+    }
+
     /// Receivers that see from none to all of 37 circles, and the places of these among 60.
-    fn circles() -> (Circles, [u32; LANES]) {
-        let (mut circles, mut blockers) = (Circles::default(), [0; LANES]);
+    fn circles() -> (List, [u32; LANES]) {
+        let (mut circles, mut blockers) = (List::default(), [0; LANES]);
         for k in 0..37usize {
             let wave = |lane: usize, phase: f32| ((31 * k + 7 * lane) as f32 + phase).sin();
             let axis = |lane| glam::Vec3::new(wave(lane, 0.0), wave(lane, 2.0), wave(3 * lane, 4.0)).normalize();
@@ -124,7 +139,7 @@ mod tests {
 
     /// The product of a lane's circles with places in `[first, first + count)`, `count` a power of two, by recursion; and the norm of
     /// the longest vector on the way.
-    fn product(order: usize, circles: &Circles, lane: usize, first: u32, count: u32) -> Option<(Vec<f32>, f32)> {
+    fn product(order: usize, circles: &List, lane: usize, first: u32, count: u32) -> Option<(Vec<f32>, f32)> {
         if count == 1 {
             let index = circles.places.iter().position(|place| *place == first)?;
             let sine = circles.sines[index].0[lane];
@@ -163,15 +178,7 @@ mod tests {
                 method.begin(&mut state);
                 for start in (0..circles.sines.len()).step_by(16) {
                     let part = start..(start + 16).min(circles.sines.len());
-                    method.block(
-                        &mut state,
-                        &Circles {
-                            axes: circles.axes[part.clone()].to_vec(),
-                            sines: circles.sines[part.clone()].to_vec(),
-                            places: circles.places[part].to_vec(),
-                            ratios: Vec::new(),
-                        },
-                    );
+                    method.block(&mut state, &circles.part(part));
                 }
                 method.finish(&mut state, &blockers, &mut visibility, &mut work);
             }
@@ -185,22 +192,15 @@ mod tests {
             let products: u64 = blockers.iter().map(|&count| u64::from(count.saturating_sub(1))).sum();
             assert_eq!(work, Work { products: 2 * products, ..Work::default() });
             // No circle that another lane alone sees changes a lane's bits.
-            let alone = Circles {
-                axes: circles.axes.clone(),
-                sines: circles.sines.iter().map(|sine| Block::splat(sine.0[9])).collect(),
-                places: circles.places.clone(),
-                ratios: Vec::new(),
-            };
-            let seen: Vec<usize> = (0..37).filter(|&k| alone.sines[k].0[0] > 0.0).collect();
-            let few = Circles {
-                axes: seen.iter().map(|k| alone.axes[*k].map(|axis| Block::splat(axis.0[9]))).collect(),
-                sines: seen.iter().map(|k| alone.sines[*k]).collect(),
-                places: seen.iter().map(|k| alone.places[*k]).collect(),
-                ratios: Vec::new(),
+            let seen: Vec<usize> = (0..37).filter(|&k| circles.sines[k].0[9] > 0.0).collect();
+            let few = List {
+                axes: seen.iter().map(|k| circles.axes[*k].map(|axis| Block::splat(axis.0[9]))).collect(),
+                sines: seen.iter().map(|k| Block::splat(circles.sines[*k].0[9])).collect(),
+                places: seen.iter().map(|k| circles.places[*k]).collect(),
             };
             let mut again = vec![Block::ZERO; coefficients(order)];
             method.begin(&mut state);
-            method.block(&mut state, &few);
+            method.block(&mut state, &few.part(0..seen.len()));
             method.finish(&mut state, &[seen.len() as u32; 1], &mut again, &mut work);
             assert!(visibility.iter().zip(&again).all(|(a, b)| a.0[9] == b.0[0]), "order {order}");
         }

@@ -63,6 +63,7 @@ mod order;
 mod pieces;
 mod quadrature;
 mod rotation;
+mod small;
 mod table;
 mod zonal;
 

@@ -68,41 +68,23 @@ impl<T: Real> Pieces<T> {
         }
     }
 
-    /// Calls `out` with the number and the values of each function at `x`, clamped to the domain.
+    /// Calls `out` with the number and the value of each function at `x`, clamped to the domain.
     #[inline(always)]
     pub(crate) fn lookup<V: Lanes<Scalar = T>>(&self, x: V, mut out: impl FnMut(usize, V)) {
-        self.lookup_each([x], |function, [value]| out(function, value));
-    }
-
-    /// [`Pieces::lookup`] at several places side by side, which do not wait for one another and share what is loaded.
-    #[inline(always)]
-    pub(crate) fn lookup_each<V: Lanes<Scalar = T>, const N: usize>(
-        &self,
-        x: [V; N],
-        mut out: impl FnMut(usize, [V; N]),
-    ) {
-        let zero = V::constant(0.0);
-        let (mut numbers, mut positions) = ([zero; N], x);
-        for (number, position) in numbers.iter_mut().zip(&mut positions) {
-            let x = position.max(zero).min(V::splat(self.end));
-            // The last piece that begins at or below x, by bisection.
-            for step in [8.0, 4.0, 2.0, 1.0] {
-                let further = number.add(V::constant(step));
-                *number = x.where_less(further.select_from(&self.starts), *number, further);
-            }
-            *position = x.sub(number.select_from(&self.middles)).mul(number.select_from(&self.scales));
+        let x = x.max(V::splat(self.starts[0])).min(V::splat(self.end));
+        // The last piece that begins at or below x, by bisection.
+        let mut number = V::constant(0.0);
+        for step in [8.0, 4.0, 2.0, 1.0] {
+            let further = number.add(V::constant(step));
+            number = x.where_less(further.select_from(&self.starts), number, further);
         }
+        let position = x.sub(number.select_from(&self.middles)).mul(number.select_from(&self.scales));
         for (function, powers) in self.functions.iter().enumerate() {
-            let mut values = numbers;
-            for value in &mut values {
-                *value = value.select_from(&powers[DEGREE]);
-            }
+            let mut value = number.select_from(&powers[DEGREE]);
             for power in powers[..DEGREE].iter().rev() {
-                for at in 0..N {
-                    values[at] = values[at].mul_add(positions[at], numbers[at].select_from(power));
-                }
+                value = value.mul_add(position, number.select_from(power));
             }
-            out(function, values);
+            out(function, value);
         }
     }
 }
@@ -132,17 +114,17 @@ impl Piece {
     }
 }
 
-/// The coefficients of the polynomial through points (Newton's differences, expanded).
-fn interpolate(nodes: &[f64; DEGREE + 1], values: &[f64; DEGREE + 1]) -> [f64; DEGREE + 1] {
+/// The coefficients by ascending powers of the polynomial through points (Newton's differences, expanded).
+pub(crate) fn interpolate<const N: usize>(nodes: &[f64; N], values: &[f64; N]) -> [f64; N] {
     let mut differences = *values;
-    for k in 1..=DEGREE {
-        for i in (k..=DEGREE).rev() {
+    for k in 1..N {
+        for i in (k..N).rev() {
             differences[i] = (differences[i] - differences[i - 1]) / (nodes[i] - nodes[i - k]);
         }
     }
-    let mut powers = [0.0; DEGREE + 1];
-    for k in (0..=DEGREE).rev() {
-        for i in (0..=DEGREE).rev() {
+    let mut powers = [0.0; N];
+    for k in (0..N).rev() {
+        for i in (0..N).rev() {
             powers[i] = if i > 0 { powers[i - 1] } else { 0.0 } - nodes[k] * powers[i];
         }
         powers[0] += differences[k];
@@ -150,14 +132,9 @@ fn interpolate(nodes: &[f64; DEGREE + 1], values: &[f64; DEGREE + 1]) -> [f64; D
     powers
 }
 
-/// The fit of a precision.
-pub(crate) fn of_precision<'a, T: Real>(single: &'a Pieces<f32>, double: &'a Pieces<f64>) -> &'a Pieces<T> {
-    let either: [&dyn Any; 2] = [single, double];
-    either.into_iter().find_map(|pieces| unbound::<T>(pieces)).expect("f32 or f64")
-}
-
-fn unbound<T: Real>(pieces: &dyn Any) -> Option<&Pieces<T>> {
-    pieces.downcast_ref()
+/// The fit of a type, which one of the two is.
+pub(crate) fn of_precision<F: Any>(single: &'static dyn Any, double: &'static dyn Any) -> &'static F {
+    [single, double].into_iter().find_map(|fit| fit.downcast_ref()).expect("f32 or f64")
 }
 
 #[cfg(test)]

@@ -36,8 +36,10 @@ impl<E: Exponential> Accumulator for LogSum<E> {
         state.log.fill(Block::ZERO);
     }
 
-    fn block(&self, State { log, zonal, exp }: &mut State, Circles { axes, sines, ratios, .. }: &Circles) {
-        zonal.resize(self.order * sines.len(), Block::ZERO);
+    fn block(&self, State { log, zonal, exp }: &mut State, Circles { axes, sines, ratios, .. }: &Circles<'_>) {
+        let size = self.order * sines.len();
+        zonal.resize(zonal.len().max(size), Block::ZERO);
+        let zonal = &mut zonal[..size];
         exp.batch().circle_logs(sines, zonal);
         if !ratios.is_empty() {
             exp.batch().scale(ratios, zonal);
@@ -71,9 +73,17 @@ mod tests {
     use super::*;
     use crate::exponentials::{EigenExp, HybridExp, LinearExp, PlainSeries, SeriesExp};
 
+    /// Circles of their own.
+    #[derive(Default)]
+    struct List {
+        axes: Vec<[Block<f32>; 3]>,
+        sines: Vec<Block<f32>>,
+        ratios: Vec<f32>,
+    }
+
     /// Receivers with from 0 to 20 circles, those of up to 55° among them, scaled band by band.
-    fn circles(order: usize) -> (Circles, [u32; LANES]) {
-        let (mut circles, mut blockers) = (Circles::default(), [0; LANES]);
+    fn circles(order: usize) -> (List, [u32; LANES]) {
+        let (mut circles, mut blockers) = (List::default(), [0; LANES]);
         for k in 0..25usize {
             let wave = |lane: usize, phase: f32| ((31 * k + 7 * lane) as f32 + phase).sin();
             let axis = |lane| glam::Vec3::new(wave(lane, 0.0), wave(lane, 2.0), wave(3 * lane, 4.0)).normalize();
@@ -87,25 +97,22 @@ mod tests {
         (circles, blockers)
     }
 
-    fn visibilities<E: Exponential>(params: &Params, circles: &Circles, blockers: &[u32]) -> (Vec<Block<f32>>, Work) {
+    fn visibilities<E: Exponential>(params: &Params, circles: &List, blockers: &[u32]) -> (Vec<Block<f32>>, Work) {
         let (method, mut work) = (LogSum::<E>::new(params), Work::default());
         let mut state = method.state();
         let mut visibility = vec![Block::splat(f32::NAN); coefficients(method.order)];
         method.begin(&mut state);
-        let Circles { axes, sines, ratios, .. } = circles;
+        let List { axes, sines, ratios } = circles;
         for (part, (axes, sines)) in axes.chunks(16).zip(sines.chunks(16)).enumerate() {
-            let ratios = ratios.chunks(16 * method.order).nth(part).unwrap_or_default().to_vec();
-            method.block(
-                &mut state,
-                &Circles { axes: axes.to_vec(), sines: sines.to_vec(), ratios, ..Circles::default() },
-            );
+            let ratios = ratios.chunks(16 * method.order).nth(part).unwrap_or_default();
+            method.block(&mut state, &Circles { axes, sines, ratios, places: &[] });
         }
         method.finish(&mut state, blockers, &mut visibility, &mut work);
         (visibility, work)
     }
 
     /// The log of the circles in a lane, one after the other from the table.
-    fn log(order: usize, Circles { axes, sines, ratios, .. }: &Circles, lane: usize) -> Vec<f32> {
+    fn log(order: usize, List { axes, sines, ratios }: &List, lane: usize) -> Vec<f32> {
         let mut sum = vec![0.0; coefficients(order)];
         let (mut zonal, mut circle) = (vec![0.0; order], sum.clone());
         let all = axes.iter().zip(sines).zip(ratios.chunks_exact(order));
@@ -142,11 +149,10 @@ mod tests {
             assert_eq!(work, expected, "order {order}");
 
             let turn = |block: &Block<f32>| Block(std::array::from_fn(|lane| block.0[(lane + 5) % LANES]));
-            let turned = Circles {
+            let turned = List {
                 axes: circles.axes.iter().map(|axis| axis.each_ref().map(turn)).collect(),
                 sines: circles.sines.iter().map(turn).collect(),
                 ratios: circles.ratios.clone(),
-                ..Circles::default()
             };
             let turned_blockers: Vec<u32> = (0..LANES).map(|lane| blockers[(lane + 5) % LANES]).collect();
             let (again, _) = visibilities::<E>(&params, &turned, &turned_blockers);
@@ -165,7 +171,7 @@ mod tests {
 
     #[test]
     fn receivers_without_circles_see_an_open_sky() {
-        let none = Circles { axes: vec![Default::default()], sines: vec![Block::ZERO], ..Circles::default() };
+        let none = List { axes: vec![Default::default()], sines: vec![Block::ZERO], ratios: Vec::new() };
         let params = Params::defaults(HybridExp::PARAMS);
         let (visibility, work) = visibilities::<HybridExp>(&params, &none, &[0; 3]);
         assert_eq!(work, Work::default());

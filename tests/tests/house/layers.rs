@@ -20,6 +20,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("methods/contract", &["scenes"]),
     ("methods/gpu", &["methods/contract", "scenes"]),
     ("methods/light", &["methods/contract", "methods/sh", "scenes"]),
+    ("methods/horizons", &["methods/sh/kernels", "scenes"]),
     ("methods/proxies", &["harness/revision", "methods/contract", "references/trace", "scenes"]),
     ("methods/blockers", &["methods/contract", "methods/light", "methods/proxies", "methods/sh", "scenes"]),
     (
@@ -41,6 +42,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "harness/results",
             "methods/blockers",
             "methods/contract",
+            "methods/horizons",
             "methods/light",
             "methods/proxies",
             "methods/registry",
@@ -60,6 +62,7 @@ const BELOW_FAMILIES: &[&str] = &[
     "methods/blockers",
     "methods/contract",
     "methods/gpu",
+    "methods/horizons",
     "methods/light",
     "methods/proxies",
     "methods/sh",

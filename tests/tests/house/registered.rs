@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::manifests::{read, root};
 
 /// Crates below `methods/` that hold no method.
-const SUPPORT: &[&str] = &["blockers", "contract", "gpu", "light", "proxies", "registry", "sh"];
+const SUPPORT: &[&str] = &["blockers", "contract", "gpu", "horizons", "light", "proxies", "registry", "sh"];
 
 /// A crate below `methods/`.
 struct Folder {
@@ -86,16 +86,16 @@ fn ids_are_unique_and_of_the_form_family_variant() {
 
 #[test]
 fn a_method_folder_that_is_not_registered_is_found() {
-    let stray = || Folder { name: "horizon-wedges".into(), implements: true };
+    let stray = || Folder { name: "shadow-fields".into(), implements: true };
     let all: Vec<Folder> = folders().into_iter().chain([stray()]).collect();
     let dependencies = read("methods/registry").dependencies;
     let found = missing(&all, &dependencies, &families());
     assert_eq!(found.len(), 2, "{found:?}");
-    assert!(found.iter().all(|line| line.contains("methods/horizon-wedges")), "{found:?}");
+    assert!(found.iter().all(|line| line.contains("methods/shadow-fields")), "{found:?}");
 
-    let only_linked: BTreeSet<String> = dependencies.into_iter().chain(["halflight-horizon-wedges".into()]).collect();
+    let only_linked: BTreeSet<String> = dependencies.into_iter().chain(["halflight-shadow-fields".into()]).collect();
     let found = missing(&all, &only_linked, &families());
-    assert_eq!(found, ["methods/horizon-wedges has no line in halflight_registry::methods()"]);
+    assert_eq!(found, ["methods/shadow-fields has no line in halflight_registry::methods()"]);
 }
 
 #[test]

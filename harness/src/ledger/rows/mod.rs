@@ -1,14 +1,17 @@
-//! The rows, in the paper's order.
+//! The rows, paper by paper, in each paper's order.
 
 mod ambient;
 mod cost;
 mod counts;
 mod cuts;
 mod errors;
+mod heights;
+mod horizons;
 mod linear;
 mod proxies;
 mod series;
 mod speed;
+mod swaths;
 
 pub(crate) use cuts::Seams;
 
@@ -28,6 +31,13 @@ pub const ROWS: &[Row] = &[
     cuts::S9,
     cuts::S10,
     ambient::S11,
+    heights::H1,
+    heights::H2,
+    heights::H3,
+    horizons::H4,
+    horizons::H5,
+    swaths::H6,
+    swaths::H7,
 ];
 
 /// The rows of these ids, all if there are none.

@@ -19,8 +19,6 @@ pub enum Output {
     Basis,
     /// `√(4π/(2l+1))·zonal_l·y_lm`. Inputs: the direction, the zonal vector.
     Lobe,
-    /// The same added to what is there, the last input.
-    Sum,
 }
 
 /// The program of an order.
@@ -43,19 +41,11 @@ pub fn build(order: usize, output: Output) -> Program {
                 if sine && m == 0 {
                     continue;
                 }
-                let value = match (latitude, azimuth, output) {
-                    (Latitude::Constant(k), None, _) => p.push(Op::Constant(k)),
-                    (Latitude::Constant(k), Some(a), _) => p.push(Op::Scale(Factor::Literal(k), a)),
-                    (Latitude::Value(v), None, Output::Sum) => {
-                        let before = p.input(2, i);
-                        p.push(Op::Add(before, v))
-                    }
-                    (Latitude::Value(v), Some(a), Output::Sum) => {
-                        let before = p.input(2, i);
-                        p.push(Op::MulAdd(v, a, before))
-                    }
-                    (Latitude::Value(v), None, _) => v,
-                    (Latitude::Value(v), Some(a), _) => p.push(Op::Mul(v, a)),
+                let value = match (latitude, azimuth) {
+                    (Latitude::Constant(k), None) => p.push(Op::Constant(k)),
+                    (Latitude::Constant(k), Some(a)) => p.push(Op::Scale(Factor::Literal(k), a)),
+                    (Latitude::Value(v), None) => v,
+                    (Latitude::Value(v), Some(a)) => p.push(Op::Mul(v, a)),
                 };
                 p.output(i, value);
             }
@@ -64,7 +54,7 @@ pub fn build(order: usize, output: Output) -> Program {
     program
 }
 
-fn next_power(p: &mut Program, (x, y): (Id, Id), (cos, sin): (Id, Id)) -> (Id, Id) {
+pub(crate) fn next_power(p: &mut Program, (x, y): (Id, Id), (cos, sin): (Id, Id)) -> (Id, Id) {
     let (xc, xs) = (p.push(Op::Mul(x, cos)), p.push(Op::Mul(x, sin)));
     (p.push(Op::NegMulAdd(y, sin, xc)), p.push(Op::MulAdd(y, cos, xs)))
 }
@@ -144,7 +134,7 @@ fn times(p: &mut Program, scale: f64, value: Latitude) -> Latitude {
 }
 
 /// The coefficients of `q_lm` by ascending powers of z, from values at as many points.
-fn polynomial(l: usize, m: usize) -> Vec<f64> {
+pub(crate) fn polynomial(l: usize, m: usize) -> Vec<f64> {
     let degree = l - m;
     let q = |z: f64| {
         let r = (1.0 - z * z).sqrt();

@@ -114,6 +114,13 @@ impl Program {
         self.outputs.push((index, value));
     }
 
+    /// The indices of the outputs, ascending.
+    pub fn outputs(&self) -> impl Iterator<Item = usize> {
+        let mut outputs: Vec<usize> = self.outputs.iter().map(|output| output.0).collect();
+        outputs.sort_unstable();
+        outputs.into_iter()
+    }
+
     /// Which steps the outputs depend on.
     fn live(&self) -> Vec<bool> {
         let mut live = vec![false; self.ops.len()];
@@ -167,6 +174,16 @@ impl Program {
     /// The body of a function over lanes `V` that reads `names[vector].get(index)` and calls `out.set(index, value)` as soon as a value
     /// is there.
     pub fn body(&self, names: &[&str]) -> String {
+        self.print(names, usize::MAX)
+    }
+
+    /// The body of a loop: as [`Program::body`], but the input of the name `kept` is read from variables of that name and an index, to which
+    /// outputs of this index go.
+    pub fn loop_body(&self, names: &[&str], kept: usize) -> String {
+        self.print(names, kept)
+    }
+
+    fn print(&self, names: &[&str], kept: usize) -> String {
         let mut text = String::new();
         let name = |id: Id| match self.ops[id] {
             Op::Input(vector, index) => format!("{}{index}", names[vector]),
@@ -178,6 +195,9 @@ impl Program {
         };
         let live = self.live();
         for (id, &op) in self.ops.iter().enumerate().filter(|(id, _)| live[*id]) {
+            if matches!(op, Op::Input(vector, _) if vector == kept) {
+                continue;
+            }
             let expression = match op {
                 Op::Input(vector, index) => format!("{}.get({index})", names[vector]),
                 Op::Scale(k, x) => format!("{}.mul({})", factor(k), name(x)),
@@ -193,9 +213,14 @@ impl Program {
                 }
                 Op::MulOffset(x, y, offset) => format!("{}.mul_add({}, V::constant({offset:?}))", name(x), name(y)),
             };
-            writeln!(text, "    let {} = {expression};", name(id)).expect("a string");
+            let kind = if names.get(kept).is_some() && matches!(op, Op::Input(..)) { ": V" } else { "" };
+            writeln!(text, "    let {}{kind} = {expression};", name(id)).expect("a string");
             for (index, _) in self.outputs.iter().filter(|output| output.1 == id) {
-                writeln!(text, "    out.set({index}, {});", name(id)).expect("a string");
+                match names.get(kept) {
+                    Some(kept) => writeln!(text, "    {kept}{index} = {};", name(id)),
+                    None => writeln!(text, "    out.set({index}, {});", name(id)),
+                }
+                .expect("a string");
             }
         }
         text

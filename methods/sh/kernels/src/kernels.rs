@@ -106,7 +106,7 @@ macro_rules! kernels {
                 out: &mut [Block<$t>],
             ) {
                 with_kernel!(order, K => {
-                    run(simd, ZonalSum { order, zonal, directions, out, kernel: PhantomData::<K> })
+                    run(simd, ZonalSum { zonal, directions, out, kernel: PhantomData::<K> })
                 });
             }
             #[inline(never)]

@@ -8,21 +8,31 @@ use super::Batch;
 use crate::circle::{circle_log, log_kinks};
 use crate::order::MAX_ORDER;
 use crate::pieces::{Pieces, of_precision};
+use crate::small::Small;
 
-/// The fitted logs of an order in both precisions.
-struct Fits {
-    single: Pieces<f32>,
-    double: Pieces<f64>,
+/// The fitted logs of an order.
+#[derive(Debug)]
+struct Fit<T> {
+    /// Circles up to an angle, by `sin²θ`: most of what receivers see.
+    small: Small<T>,
+    /// All others, by `1 − cos θ`, between the kinks.
+    large: Pieces<T>,
 }
 
-fn logs<T: Real>(order: usize) -> &'static Pieces<T> {
-    static FITS: [OnceLock<Fits>; MAX_ORDER] = [const { OnceLock::new() }; MAX_ORDER];
-    let Fits { single, double } = FITS[order - 1].get_or_init(|| {
-        let breaks = [&[0.0], log_kinks(order), &[1.0]].concat();
-        let f = |height: f64, out: &mut [f64]| circle_log(order, 1.0 - height, out);
-        Fits { single: Pieces::fit(order, &breaks, |_| 1.0, f), double: Pieces::fit(order, &breaks, |_| 1.0, f) }
-    });
+fn logs<T: Real>(order: usize) -> &'static Fit<T> {
+    static FITS: [OnceLock<(Fit<f32>, Fit<f64>)>; MAX_ORDER] = [const { OnceLock::new() }; MAX_ORDER];
+    let (single, double) = FITS[order - 1].get_or_init(|| (fit(order), fit(order)));
     of_precision(single, double)
+}
+
+fn fit<T: Real>(order: usize) -> Fit<T> {
+    let log = |height: f64, out: &mut [f64]| circle_log(order, 1.0 - height, out);
+    let kinks = log_kinks(order);
+    let rise = |square: f64| square / (1.0 + (1.0 - square).sqrt());
+    let most = kinks.first().map_or(1.0, |&height| height * (2.0 - height));
+    let small = Small::<T>::fit(order, most, |square, out| log(rise(square), out));
+    let breaks = [&[rise(small.end().to_f64())], kinks, &[1.0]].concat();
+    Fit { small, large: Pieces::fit(order, &breaks, |_| 1.0, log) }
 }
 
 struct Logs<'a, T> {
@@ -34,39 +44,21 @@ struct Logs<'a, T> {
 impl<T: Real> Task<T> for Logs<'_, T> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = T>>(self) {
-        let pieces = logs::<T>(self.order);
-        let (pairs, last) = self.sines.as_chunks::<2>();
-        let (first, rest) = self.out.split_at_mut(2 * pairs.len() * self.order);
-        for (sines, out) in pairs.iter().zip(first.chunks_exact_mut(2 * self.order)) {
-            zonal_logs::<V, 2>(pieces, sines, out);
-        }
-        if let [sines] = last {
-            zonal_logs::<V, 1>(pieces, &[*sines], rest);
-        }
-    }
-}
-
-/// The logs of `N` circles, one after the other.
-#[inline(always)]
-fn zonal_logs<V: Lanes, const N: usize>(
-    pieces: &Pieces<V::Scalar>,
-    sines: &[Block<V::Scalar>; N],
-    out: &mut [Block<V::Scalar>],
-) {
-    let (zero, order) = (V::constant(0.0), out.len() / N);
-    for part in 0..LANES / V::WIDTH {
-        let mut loaded = [zero; N];
-        let mut heights = loaded;
-        for circle in 0..N {
-            loaded[circle] = V::load(&sines[circle].0, part);
-            heights[circle] = height(loaded[circle]);
-        }
-        pieces.lookup_each(heights, |band, values| {
-            for circle in 0..N {
-                let value = zero.where_less(loaded[circle], values[circle], zero);
-                value.store(&mut out[circle * order + band].0, part);
+        let fit = logs::<T>(self.order);
+        let end = V::splat(fit.small.end());
+        for (sines, out) in self.sines.iter().zip(self.out.chunks_exact_mut(self.order)) {
+            for part in 0..LANES / V::WIDTH {
+                let sine = V::load(&sines.0, part).max(V::constant(0.0)).min(V::constant(1.0));
+                let square = sine.mul(sine);
+                fit.small.lookup(square, |band, value| value.store(&mut out[band].0, part));
+                if end.any_less(square) {
+                    fit.large.lookup(height(sine), |band, value| {
+                        let small = V::load(&out[band].0, part);
+                        end.where_less(square, value, small).store(&mut out[band].0, part);
+                    });
+                }
             }
-        });
+        }
     }
 }
 
@@ -166,8 +158,8 @@ impl Batch {
     /// each block of sines. Sines are clamped to [0, 1]; 0 gives 0, which blocks
     /// nothing, exactly.
     ///
-    /// From 16 pieces of degree 7, split where the clip makes kinks, with no gather. Coefficients err by at most 2e-6
-    /// (order 7: 5e-6, order 8, which has most kinks: 1e-4) of the circle's largest one, or of 1.
+    /// Small circles by one polynomial, others from 16 pieces of degree 7, split where the clip makes kinks, with no gather. Coefficients
+    /// err by at most 2e-6 (order 7: 5e-6, order 8, which has most kinks: 1e-4) of the circle's largest one, or of 1.
     ///
     /// # Panics
     /// If `out` does not hold `n` blocks for each of `sines`.

@@ -4,6 +4,7 @@ mod basis;
 mod circles;
 mod eigen;
 mod exp;
+mod guard;
 mod linear;
 mod log;
 mod rotation;

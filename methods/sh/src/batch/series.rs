@@ -64,8 +64,8 @@ impl<T: Real> BatchExp<T> {
     /// The factored series of the residual.
     fn series(&mut self, degree: usize) -> Work {
         let mut work = Work::default();
-        let (batch, zeros) = (self.batch, vec![Block::ZERO; self.residual.len()]);
-        self.powers.resize(self.powers.len().max(degree / 2), zeros);
+        let (batch, size) = (self.batch, self.residual.len());
+        self.powers.resize_with(self.powers.len().max(degree / 2), || vec![Block::ZERO; size]);
         for k in 1..=degree / 2 {
             let (done, rest) = self.powers.split_at_mut(k - 1);
             match k {
@@ -75,27 +75,56 @@ impl<T: Real> BatchExp<T> {
             }
             *if k > 1 && k % 2 == 1 { &mut work.products } else { &mut work.squares } += 1;
         }
-        let one = T::from_f64(SQRT_4_PI);
-        self.value.fill(Block::ZERO);
-        self.value[0] = Block::splat(one);
-        let mut odd = self.value.clone();
-        let mut reciprocal = 1.0; // 1/(2k+1)!
-        for (k, power) in self.powers.iter().take(degree / 2).enumerate() {
-            let even = reciprocal / (2 * k + 2) as f64;
-            reciprocal = even / (2 * k + 3) as f64;
-            run(batch.simd(), AddScaled { factor: T::from_f64(even), x: power, sum: &mut self.value });
-            if 2 * k + 3 <= degree {
-                run(batch.simd(), AddScaled { factor: T::from_f64(reciprocal), x: power, sum: &mut odd });
-            }
+        // 1/k! for even and odd powers; the first odd one stands for the residual itself
+        let [mut even, mut odd] = [[T::ZERO; MAX_DEGREE / 2]; 2];
+        let mut reciprocal = 1.0;
+        for (k, (even, odd)) in even.iter_mut().zip(&mut odd).enumerate() {
+            reciprocal /= (2 * k + 2) as f64;
+            *even = T::from_f64(reciprocal);
+            reciprocal /= (2 * k + 3) as f64;
+            *odd = T::from_f64(reciprocal);
         }
+        let powers = &self.powers[..degree / 2];
         if degree < 3 {
-            run(batch.simd(), AddScaled { factor: T::ONE, x: &self.residual, sum: &mut self.value });
+            let sum = Polynomial { first: Some(&self.residual), factors: &even, powers, out: &mut self.value };
+            run(batch.simd(), sum);
         } else {
-            batch.product(&self.residual, &odd, &mut self.next);
-            run(batch.simd(), AddScaled { factor: T::ONE, x: &self.next, sum: &mut self.value });
+            let odd = &odd[..(degree - 1) / 2];
+            run(batch.simd(), Polynomial { first: None, factors: odd, powers, out: &mut self.value });
+            batch.product(&self.residual, &self.value, &mut self.next);
+            let sum = Polynomial { first: Some(&self.next), factors: &even, powers, out: &mut self.value };
+            run(batch.simd(), sum);
             work.products += 1;
         }
         work
+    }
+}
+
+/// `out = 1 + first + Σ factor·power`, for as many powers as there are factors.
+struct Polynomial<'a, T> {
+    first: Option<&'a [Block<T>]>,
+    factors: &'a [T],
+    powers: &'a [Vec<Block<T>>],
+    out: &'a mut [Block<T>],
+}
+
+impl<T: Real> Task<T> for Polynomial<'_, T> {
+    #[inline(always)]
+    fn run<V: Lanes<Scalar = T>>(self) {
+        let mut one = V::constant(SQRT_4_PI);
+        for (i, out) in self.out.iter_mut().enumerate() {
+            for part in 0..LANES / V::WIDTH {
+                let mut sum = one;
+                for (power, &factor) in self.powers.iter().zip(self.factors) {
+                    sum = V::load(&power[i].0, part).mul_add(V::splat(factor), sum);
+                }
+                if let Some(first) = self.first {
+                    sum = sum.add(V::load(&first[i].0, part));
+                }
+                sum.store(&mut out.0, part);
+            }
+            one = V::constant(0.0);
+        }
     }
 }
 

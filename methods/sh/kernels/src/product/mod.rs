@@ -84,18 +84,19 @@ pub(crate) trait Kernel {
     type Rows<T: Real>: AsMut<[Block<T>]>;
     /// Rows of 0.
     fn rows<T: Real>() -> Self::Rows<T>;
-    /// A register for each coefficient.
-    type Coefficients<V: Lanes>: AsRef<[V]> + AsMut<[V]>;
-    /// Registers filled in turn.
-    fn coefficients<V: Lanes>(value: impl FnMut(usize) -> V) -> Self::Coefficients<V>;
     /// Tables of the single product, to rings and back.
     fn tables<T: Real>() -> [&'static [[T; LANES]]; 2];
     /// The basis functions at a direction.
     fn evaluate<V: Lanes>(direction: &impl Source<V>, out: &mut impl Sink<V>);
     /// A zonal vector turned to a direction.
     fn rotate_zonal<V: Lanes>(direction: &impl Source<V>, zonal: &impl Source<V>, out: &mut impl Sink<V>);
-    /// The same added to `out`.
-    fn add_zonal<V: Lanes>(direction: &impl Source<V>, zonal: &impl Source<V>, out: &mut (impl Source<V> + Sink<V>));
+    /// Zonal vectors turned to directions, all added to `out`, in the lanes of one register.
+    fn sum_zonal<V: Lanes>(
+        zonal: &[Block<V::Scalar>],
+        directions: &[[Block<V::Scalar>; 3]],
+        out: &mut [Block<V::Scalar>],
+        part: usize,
+    );
     /// What the rings in the lanes add to the coefficients of `a * b`.
     fn rings_product<V: Lanes>(
         a: &impl Source<V>,
@@ -132,12 +133,6 @@ macro_rules! kernel {
             fn rows<T: Real>() -> Self::Rows<T> {
                 [Block::ZERO; $order * $order]
             }
-            type Coefficients<V: Lanes> = [V; $order * $order];
-
-            #[inline(always)]
-            fn coefficients<V: Lanes>(value: impl FnMut(usize) -> V) -> Self::Coefficients<V> {
-                std::array::from_fn(value)
-            }
             #[inline(always)]
             fn tables<T: Real>() -> [&'static [[T; LANES]]; 2] {
                 use generated::$module::{BACKWARD, FORWARD, SINGLE_BACKWARD, SINGLE_FORWARD};
@@ -152,12 +147,13 @@ macro_rules! kernel {
                 generated::$module::rotate_zonal::<V>(direction, zonal, out);
             }
             #[inline(always)]
-            fn add_zonal<V: Lanes>(
-                direction: &impl Source<V>,
-                zonal: &impl Source<V>,
-                out: &mut (impl Source<V> + Sink<V>),
+            fn sum_zonal<V: Lanes>(
+                zonal: &[Block<V::Scalar>],
+                directions: &[[Block<V::Scalar>; 3]],
+                out: &mut [Block<V::Scalar>],
+                part: usize,
             ) {
-                generated::$module::add_zonal::<V>(direction, zonal, out);
+                generated::$module::sum_zonal::<V>(zonal, directions, out, part);
             }
             #[inline(always)]
             fn rings_product<V: Lanes>(

@@ -35,7 +35,8 @@ impl Simd {
     /// All instruction sets, the widest last.
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// The widest that this machine has.
+    /// The widest that this machine has, or, if the environment's `HALFLIGHT_SIMD` names a narrower one (`portable`, `avx2`, `avx512`) when the
+    /// program first asks, that.
     #[inline]
     pub fn best() -> Self {
         static BEST: AtomicU8 = AtomicU8::new(u8::MAX);
@@ -49,7 +50,13 @@ impl Simd {
 
     #[cold]
     fn widest() -> Self {
-        Self::ALL.into_iter().rev().find(|simd| simd.is_available()).unwrap_or(Self::Portable)
+        let asked = std::env::var("HALFLIGHT_SIMD").ok().and_then(|name| Self::named(&name)).unwrap_or(Self::Avx512);
+        let mut sets = Self::ALL.into_iter().rev().filter(|simd| *simd <= asked);
+        sets.find(|simd| simd.is_available()).unwrap_or(Self::Portable)
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|simd| format!("{simd:?}").eq_ignore_ascii_case(name))
     }
 
     /// Whether this machine has it.

@@ -2,7 +2,8 @@
 
 //! Order 1: 2 instructions a product by factored triples, 2 a square by factored triples.
 
-use crate::product::{Aligned, Sink, Source, narrow};
+use crate::block::Block;
+use crate::product::{Aligned, Part, Sink, Source, narrow};
 use crate::simd::Lanes;
 
 #[inline(always)]
@@ -77,11 +78,21 @@ pub(crate) fn rotate_zonal<V: Lanes>(_d: &impl Source<V>, zonal: &impl Source<V>
 }
 
 #[inline(always)]
-pub(crate) fn add_zonal<V: Lanes>(_d: &impl Source<V>, zonal: &impl Source<V>, out: &mut (impl Source<V> + Sink<V>)) {
-    let zonal0 = zonal.get(0);
-    let t4 = V::constant(0.9999999999999999).mul(zonal0);
-    let out0 = out.get(0);
-    let t6 = out0.add(t4);
-    out.set(0, t6);
+pub(crate) fn sum_columns_0<V: Lanes>(zonal: &[Block<V::Scalar>], directions: &[[Block<V::Scalar>; 3]], out: &mut [Block<V::Scalar>], part: usize) {
+    let mut sum0 = V::constant(0.0);
+    for (zonal, d) in zonal.chunks_exact(1).zip(directions) {
+        let (_, zonal) = (Part { blocks: d.as_slice(), part }, Part { blocks: zonal, part });
+        let zonal0: V = zonal.get(0);
+        let t5 = sum0.add(zonal0);
+        sum0 = t5;
+    }
+    let mut out = Part { blocks: out, part };
+    let before: V = out.get(0);
+    out.set(0, V::constant(0.9999999999999999).mul_add(sum0, before));
+}
+
+#[inline(always)]
+pub(crate) fn sum_zonal<V: Lanes>(zonal: &[Block<V::Scalar>], directions: &[[Block<V::Scalar>; 3]], out: &mut [Block<V::Scalar>], part: usize) {
+    sum_columns_0::<V>(zonal, directions, out, part);
 }
 

@@ -2,7 +2,8 @@
 
 //! Order 2: 13 instructions a product by factored triples, 9 a square by factored triples.
 
-use crate::product::{Aligned, Sink, Source, narrow};
+use crate::block::Block;
+use crate::product::{Aligned, Part, Sink, Source, narrow};
 use crate::simd::Lanes;
 
 #[inline(always)]
@@ -186,27 +187,40 @@ pub(crate) fn rotate_zonal<V: Lanes>(d: &impl Source<V>, zonal: &impl Source<V>,
 }
 
 #[inline(always)]
-pub(crate) fn add_zonal<V: Lanes>(d: &impl Source<V>, zonal: &impl Source<V>, out: &mut (impl Source<V> + Sink<V>)) {
-    let d0 = d.get(0);
-    let d1 = d.get(1);
-    let d2 = d.get(2);
-    let zonal0 = zonal.get(0);
-    let t4 = V::constant(0.9999999999999999).mul(zonal0);
-    let out0 = out.get(0);
-    let t6 = out0.add(t4);
-    out.set(0, t6);
-    let zonal1 = zonal.get(1);
-    let t9 = V::constant(0.9999999999999999).mul(d2);
-    let t10 = t9.mul(zonal1);
-    let out2 = out.get(2);
-    let t12 = out2.add(t10);
-    out.set(2, t12);
-    let t13 = V::constant(1.0).mul(zonal1);
-    let out1 = out.get(1);
-    let t15 = t13.mul_add(d1, out1);
-    out.set(1, t15);
-    let out3 = out.get(3);
-    let t17 = t13.mul_add(d0, out3);
-    out.set(3, t17);
+pub(crate) fn sum_columns_0<V: Lanes>(zonal: &[Block<V::Scalar>], directions: &[[Block<V::Scalar>; 3]], out: &mut [Block<V::Scalar>], part: usize) {
+    let mut sum0 = V::constant(0.0);
+    let mut sum1 = V::constant(0.0);
+    let mut sum2 = V::constant(0.0);
+    let mut sum3 = V::constant(0.0);
+    for (zonal, d) in zonal.chunks_exact(2).zip(directions) {
+        let (d, zonal) = (Part { blocks: d.as_slice(), part }, Part { blocks: zonal, part });
+        let d0: V = d.get(0);
+        let d1: V = d.get(1);
+        let d2: V = d.get(2);
+        let zonal0: V = zonal.get(0);
+        let t5 = sum0.add(zonal0);
+        sum0 = t5;
+        let zonal1: V = zonal.get(1);
+        let t8 = d2.mul_add(zonal1, sum2);
+        sum2 = t8;
+        let t10 = zonal1.mul_add(d1, sum1);
+        sum1 = t10;
+        let t12 = zonal1.mul_add(d0, sum3);
+        sum3 = t12;
+    }
+    let mut out = Part { blocks: out, part };
+    let before: V = out.get(0);
+    out.set(0, V::constant(0.9999999999999999).mul_add(sum0, before));
+    let before: V = out.get(1);
+    out.set(1, V::constant(1.0).mul_add(sum1, before));
+    let before: V = out.get(2);
+    out.set(2, V::constant(0.9999999999999999).mul_add(sum2, before));
+    let before: V = out.get(3);
+    out.set(3, V::constant(1.0).mul_add(sum3, before));
+}
+
+#[inline(always)]
+pub(crate) fn sum_zonal<V: Lanes>(zonal: &[Block<V::Scalar>], directions: &[[Block<V::Scalar>; 3]], out: &mut [Block<V::Scalar>], part: usize) {
+    sum_columns_0::<V>(zonal, directions, out, part);
 }
 

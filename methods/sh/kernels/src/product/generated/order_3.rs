@@ -2,7 +2,8 @@
 
 //! Order 3: 96 instructions a product by factored triples, 64 a square by factored triples.
 
-use crate::product::{Aligned, Sink, Source, narrow};
+use crate::block::Block;
+use crate::product::{Aligned, Part, Sink, Source, narrow};
 use crate::simd::Lanes;
 
 #[inline(always)]
@@ -484,53 +485,72 @@ pub(crate) fn rotate_zonal<V: Lanes>(d: &impl Source<V>, zonal: &impl Source<V>,
 }
 
 #[inline(always)]
-pub(crate) fn add_zonal<V: Lanes>(d: &impl Source<V>, zonal: &impl Source<V>, out: &mut (impl Source<V> + Sink<V>)) {
-    let d0 = d.get(0);
-    let d1 = d.get(1);
-    let d2 = d.get(2);
-    let zonal0 = zonal.get(0);
-    let t4 = V::constant(0.9999999999999999).mul(zonal0);
-    let out0 = out.get(0);
-    let t6 = out0.add(t4);
-    out.set(0, t6);
-    let zonal1 = zonal.get(1);
-    let t9 = V::constant(0.9999999999999999).mul(d2);
-    let t10 = t9.mul(zonal1);
-    let out2 = out.get(2);
-    let t12 = out2.add(t10);
-    out.set(2, t12);
-    let zonal2 = zonal.get(2);
-    let t14 = d2.mul(d2);
-    let t16 = V::constant(1.5).mul_add(t14, V::constant(-0.49999999999999994));
-    let t17 = t16.mul(zonal2);
-    let out6 = out.get(6);
-    let t19 = out6.add(t17);
-    out.set(6, t19);
-    let t20 = V::constant(1.0).mul(zonal1);
-    let out1 = out.get(1);
-    let t22 = t20.mul_add(d1, out1);
-    out.set(1, t22);
-    let out3 = out.get(3);
-    let t24 = t20.mul_add(d0, out3);
-    out.set(3, t24);
-    let t26 = V::constant(1.7320508075688774).mul(d2);
-    let t27 = t26.mul(zonal2);
-    let out5 = out.get(5);
-    let t29 = t27.mul_add(d1, out5);
-    out.set(5, t29);
-    let out7 = out.get(7);
-    let t31 = t27.mul_add(d0, out7);
-    out.set(7, t31);
-    let t32 = d0.mul(d0);
-    let t33 = d0.mul(d1);
-    let t34 = d1.neg_mul_add(d1, t32);
-    let t35 = d1.mul_add(d0, t33);
-    let t36 = V::constant(0.8660254037844387).mul(zonal2);
-    let out4 = out.get(4);
-    let t38 = t36.mul_add(t35, out4);
-    out.set(4, t38);
-    let out8 = out.get(8);
-    let t40 = t36.mul_add(t34, out8);
-    out.set(8, t40);
+pub(crate) fn sum_columns_0<V: Lanes>(zonal: &[Block<V::Scalar>], directions: &[[Block<V::Scalar>; 3]], out: &mut [Block<V::Scalar>], part: usize) {
+    let mut sum0 = V::constant(0.0);
+    let mut sum1 = V::constant(0.0);
+    let mut sum2 = V::constant(0.0);
+    let mut sum3 = V::constant(0.0);
+    let mut sum4 = V::constant(0.0);
+    let mut sum5 = V::constant(0.0);
+    let mut sum6 = V::constant(0.0);
+    let mut sum7 = V::constant(0.0);
+    let mut sum8 = V::constant(0.0);
+    for (zonal, d) in zonal.chunks_exact(3).zip(directions) {
+        let (d, zonal) = (Part { blocks: d.as_slice(), part }, Part { blocks: zonal, part });
+        let d0: V = d.get(0);
+        let d1: V = d.get(1);
+        let d2: V = d.get(2);
+        let zonal0: V = zonal.get(0);
+        let t5 = sum0.add(zonal0);
+        sum0 = t5;
+        let zonal1: V = zonal.get(1);
+        let t8 = d2.mul_add(zonal1, sum2);
+        sum2 = t8;
+        let t9 = d2.mul_add(d2, V::constant(-0.3333333333333333));
+        let zonal2: V = zonal.get(2);
+        let t12 = t9.mul_add(zonal2, sum6);
+        sum6 = t12;
+        let t14 = zonal1.mul_add(d1, sum1);
+        sum1 = t14;
+        let t16 = zonal1.mul_add(d0, sum3);
+        sum3 = t16;
+        let t17 = d2.mul(zonal2);
+        let t19 = t17.mul_add(d1, sum5);
+        sum5 = t19;
+        let t21 = t17.mul_add(d0, sum7);
+        sum7 = t21;
+        let t22 = d0.mul(d0);
+        let t23 = d0.mul(d1);
+        let t24 = d1.neg_mul_add(d1, t22);
+        let t25 = d1.mul_add(d0, t23);
+        let t27 = zonal2.mul_add(t25, sum4);
+        sum4 = t27;
+        let t29 = zonal2.mul_add(t24, sum8);
+        sum8 = t29;
+    }
+    let mut out = Part { blocks: out, part };
+    let before: V = out.get(0);
+    out.set(0, V::constant(0.9999999999999999).mul_add(sum0, before));
+    let before: V = out.get(1);
+    out.set(1, V::constant(1.0).mul_add(sum1, before));
+    let before: V = out.get(2);
+    out.set(2, V::constant(0.9999999999999999).mul_add(sum2, before));
+    let before: V = out.get(3);
+    out.set(3, V::constant(1.0).mul_add(sum3, before));
+    let before: V = out.get(4);
+    out.set(4, V::constant(0.8660254037844387).mul_add(sum4, before));
+    let before: V = out.get(5);
+    out.set(5, V::constant(1.7320508075688774).mul_add(sum5, before));
+    let before: V = out.get(6);
+    out.set(6, V::constant(1.5).mul_add(sum6, before));
+    let before: V = out.get(7);
+    out.set(7, V::constant(1.7320508075688774).mul_add(sum7, before));
+    let before: V = out.get(8);
+    out.set(8, V::constant(0.8660254037844387).mul_add(sum8, before));
+}
+
+#[inline(always)]
+pub(crate) fn sum_zonal<V: Lanes>(zonal: &[Block<V::Scalar>], directions: &[[Block<V::Scalar>; 3]], out: &mut [Block<V::Scalar>], part: usize) {
+    sum_columns_0::<V>(zonal, directions, out, part);
 }
 

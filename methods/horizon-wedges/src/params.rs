@@ -1,0 +1,87 @@
+//! Parameters of the family.
+
+use halflight_contract::{Kind, ParamSpec, Params, Phase};
+use halflight_horizons::{Plane, Reconstruction, Scale, Settings, Storage};
+
+/// SH order; a hemisphere lights a level receiver exactly from order 2 on.
+pub(crate) const ORDER: ParamSpec = ParamSpec {
+    name: "order",
+    kind: Kind::Int { min: 2, max: halflight_sh::MAX_ORDER as i64, default: 4 },
+    phase: Phase::Prepare,
+    help: "SH order n of light and visibility: bands 0..n−1, n² coefficients",
+};
+
+pub(crate) const AZIMUTHS: ParamSpec = ParamSpec {
+    name: "azimuths",
+    kind: Kind::Int { min: 4, max: 64, default: 16 },
+    phase: Phase::Prepare,
+    help: "azimuths nφ of the complete swath",
+};
+
+pub(crate) const KEY_AZIMUTHS: ParamSpec = ParamSpec {
+    name: "key-azimuths",
+    kind: Kind::Int { min: 1, max: 64, default: 3 },
+    phase: Phase::Prepare,
+    help: "azimuths nφ of a key light's swath",
+};
+
+pub(crate) const SWATH: ParamSpec = ParamSpec {
+    name: "swath",
+    kind: Kind::Float { min: 0.0, max: 360.0, default: 0.0 },
+    phase: Phase::Prepare,
+    help: "degrees ΔΦ of a key light's swath; 0: the smallest of 180, 90, 45, … that covers the light; 360: complete",
+};
+
+pub(crate) const KEY_LEVEL: ParamSpec = ParamSpec {
+    name: "key-level",
+    kind: Kind::Choice(crate::key::Level::NAMES),
+    phase: Phase::Update,
+    help: "unshadowed key light within a swath is scaled right for receivers that face it, or for level ones, or not",
+};
+
+pub(crate) const LEVELS: ParamSpec = ParamSpec {
+    name: "levels",
+    kind: Kind::Int { min: 1, max: 16, default: 4 },
+    phase: Phase::Update,
+    help: "pyramid levels an octave k",
+};
+
+pub(crate) const OFFSET: ParamSpec = ParamSpec {
+    name: "offset",
+    kind: Kind::Float { min: 0.0, max: 16.0, default: 2.0 },
+    phase: Phase::Update,
+    help: "level offset o in octaves: how much finer levels are than their distances",
+};
+
+pub(crate) const SCALE: ParamSpec = ParamSpec {
+    name: "scale",
+    kind: Kind::Choice(&["b-spline", "linear"]),
+    phase: Phase::Update,
+    help: "reconstruction of a key light's horizon between scales; other lights take the greatest of the levels",
+};
+
+pub(crate) const PLANE: ParamSpec = ParamSpec {
+    name: "plane",
+    kind: Kind::Choice(&["b-spline", "bilinear"]),
+    phase: Phase::Update,
+    help: "reconstruction of pyramid levels in the plane",
+};
+
+pub(crate) const STORAGE: ParamSpec = ParamSpec {
+    name: "storage",
+    kind: Kind::Choice(&["decimated", "full"]),
+    phase: Phase::Update,
+    help: "pyramid levels stay decimated, or are brought back to the field's resolution once a frame",
+};
+
+/// Settings of the pyramid.
+pub(crate) fn pyramid(params: &Params) -> Settings {
+    let scale = if params.choice(SCALE.name) == "linear" { Scale::Linear } else { Scale::BSpline };
+    let plane = if params.choice(PLANE.name) == "bilinear" { Plane::Bilinear } else { Plane::BSpline };
+    Settings {
+        levels_per_octave: params.int(LEVELS.name),
+        offset: params.float(OFFSET.name) as f32,
+        reconstruction: Reconstruction { scale, plane },
+        storage: if params.choice(STORAGE.name) == "full" { Storage::Full } else { Storage::Decimated },
+    }
+}

@@ -1,0 +1,168 @@
+//! The phases: tables and lights once, views and horizons a frame, then receivers.
+
+use halflight_blockers::Tally;
+use halflight_blockers::params::WINDOW_VISIBILITY;
+use halflight_contract::{
+    Error, Flow, Footprint, Job, Meter, Output, Params, Phase, Prepared, Quantity, Result, counted, timed,
+};
+use halflight_horizons::Horizons;
+use halflight_scenes::{Frame, HeightField, Receivers, Revision, Shape};
+use halflight_sh::Batch;
+use rayon::prelude::*;
+
+use crate::Variant;
+use crate::casters::Casters;
+use crate::params::ORDER;
+use crate::plan::{Plan, Planner, bands};
+use crate::shading::{CHUNK, Ground, Shading};
+
+/// A member of the family made ready for a scene.
+pub(crate) struct Terrain<'s> {
+    variant: Variant,
+    params: Params,
+    /// The field's object.
+    object: usize,
+    planner: Planner,
+    plan: Option<Plan>,
+    horizons: Box<dyn Horizons>,
+    /// The field that horizons were made for; none if they are to be made anew.
+    revision: Option<Revision>,
+    ground: Option<Ground>,
+    casters: Option<Casters<'s>>,
+    result: Vec<f32>,
+    quantity: Quantity,
+}
+
+impl<'s> Terrain<'s> {
+    /// Derives lights and tables.
+    pub(crate) fn prepare(variant: &Variant, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Self> {
+        let fields = job.scene.objects.iter().enumerate();
+        let mut fields = fields.filter(|(_, object)| object.casts && matches!(*object.shape, Shape::Heights(_)));
+        let (Some((object, _)), None) = (fields.next(), fields.next()) else {
+            let method = variant.info.id;
+            return Err(Error::Unsupported {
+                method,
+                what: "a scene without exactly one height field that casts".into(),
+            });
+        };
+        Ok(Terrain {
+            variant: *variant,
+            params: job.params.clone(),
+            object,
+            planner: Planner::prepare(variant, job, meter)?,
+            plan: None,
+            horizons: (variant.horizons)(job.params),
+            revision: None,
+            ground: None,
+            casters: variant.casters.then(|| Casters::prepare(job, meter)).transpose()?,
+            result: Vec::new(),
+            quantity: Quantity::Direct,
+        })
+    }
+
+    /// Horizons of a field under the plan's azimuths.
+    fn find(&mut self, field: &HeightField, plan: &Plan) {
+        self.horizons.update(field, &plan.azimuths);
+        self.ground = Some(Ground { object: self.object as u32, origin: field.origin(), cell: field.cell() });
+    }
+
+    fn report(&self, receivers: &Receivers, tally: &Tally, meter: &mut dyn Meter) {
+        let Some(plan) = &self.plan else { return };
+        let valid = receivers.valid.iter().filter(|valid| **valid).count() as u64;
+        let samples: f64 = (0..plan.azimuths.len()).map(|azimuth| self.horizons.work(azimuth).samples).sum();
+        let wedges: usize = plan.views.iter().map(|view| view.wedges.len()).sum();
+        let products = plan.views.len() * if self.casters.is_some() { 2 } else { 1 };
+        let amounts = [
+            ("receivers", valid),
+            ("horizons", valid * plan.azimuths.len() as u64),
+            ("height samples", (valid as f64 * samples) as u64),
+            ("wedges", valid * wedges as u64),
+            ("products", valid * products as u64),
+            ("blockers accumulated", tally.accumulated),
+            ("blockers removed by self-shadow rules", tally.removed),
+            ("blockers below the smallest angle", tally.too_small),
+        ];
+        counted(meter, &amounts);
+    }
+}
+
+impl Prepared for Terrain<'_> {
+    fn footprint(&self) -> Footprint {
+        let [tables, lights] = self.planner.bytes();
+        Footprint::default()
+            .host("wedge tables (shared)", tables)
+            .host("lights (shared)", lights)
+            .host("horizons", self.horizons.footprint())
+            .host("sphere sets and posed spheres", self.casters.as_ref().map_or(0, Casters::bytes))
+            .host("result", size_of_val(&self.result[..]))
+    }
+
+    fn retune(&mut self, params: &Params) -> Result<()> {
+        let before = self.params.clone();
+        params.retune(&mut self.params, self.variant.info.params)?;
+        if params.first_change(&before, self.variant.info.params) == Some(Phase::Update) {
+            self.horizons = (self.variant.horizons)(params);
+            (self.plan, self.revision) = (None, None);
+        }
+        Ok(())
+    }
+
+    fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
+        let aimed = self.plan.is_none() || self.planner.turns();
+        let plan = match self.plan.take() {
+            Some(plan) if !aimed => plan,
+            _ => timed(meter, "aim at lights", |_| self.planner.plan(frame, &self.params)),
+        };
+        let posed = &frame.objects[self.object];
+        if aimed || self.revision != Some(posed.revision) {
+            if let Shape::Heights(field) = &*posed.in_place() {
+                timed(meter, "pyramid or sweep", |_| self.find(field, &plan));
+            }
+            self.revision = Some(posed.revision);
+        }
+        self.plan = Some(plan);
+        if let Some(casters) = &mut self.casters {
+            timed(meter, "pose spheres", |_| casters.update(frame));
+        }
+        Ok(())
+    }
+
+    fn evaluate(&mut self, frame: &Frame, quantity: Quantity, meter: &mut dyn Meter) -> Result<()> {
+        let (Some(plan), Some(ground)) = (&self.plan, self.ground) else {
+            return Err(Error::Input("evaluate before update".into()));
+        };
+        let receivers = frame.receivers.as_ref();
+        self.quantity = quantity;
+        self.result.clear();
+        self.result.resize(receivers.len() * quantity.channels(), 0.0);
+        if meter.progress("receivers", 0, receivers.len() as u64) == Flow::Cancel {
+            return Err(Error::Cancelled);
+        }
+        let mut result = std::mem::take(&mut self.result);
+        let order = self.params.int(ORDER.name);
+        let window = self.params.flag(WINDOW_VISIBILITY.name).then(|| bands(order));
+        let shading = Shading {
+            ground,
+            horizons: self.horizons.as_ref(),
+            plan,
+            batch: Batch::new(order),
+            quantity,
+            params: &self.params,
+            ambient: self.variant.ambient,
+            casters: self.casters.as_ref(),
+            window: window.as_deref(),
+        };
+        let chunks = result.par_chunks_mut(CHUNK * quantity.channels()).enumerate();
+        let tally = timed(meter, "horizons, wedges and shading", |_| {
+            let shaded = chunks.map(|(chunk, out)| shading.chunk(receivers, chunk * CHUNK, out));
+            shaded.reduce(Tally::default, |a, b| a + b)
+        });
+        self.result = result;
+        self.report(receivers, &tally, meter);
+        Ok(())
+    }
+
+    fn read(&mut self, out: Output<'_>, _: &mut dyn Meter) -> Result<()> {
+        out.fill(self.quantity, &self.result)
+    }
+}

@@ -1,0 +1,140 @@
+//! A level of a pyramid: heights on a grid of its own.
+
+use std::ops::Range;
+
+use halflight_scenes::HeightField;
+use rayon::prelude::*;
+
+/// Entries beyond either end of a row, which repeat the row's end: a register that begins up to [`BEYOND`] samples before the
+/// row reads no farther.
+pub(crate) const PAD: usize = 20;
+
+/// How many samples before a row a register may begin; nothing differs there.
+pub(crate) const BEYOND: isize = 19;
+
+/// Heights at the centres of rectangles, a whole number of which covers the field: its own are rectangles about its vertices.
+#[derive(Clone, Debug)]
+pub(crate) struct Level {
+    pub(crate) size: [usize; 2],
+    /// Its samples in the length of one of the field's, along x and y; at most 1.
+    pub(crate) scale: [f64; 2],
+    /// By how many of its samples it begins before the field, where it does not fit.
+    pub(crate) shift: [f64; 2],
+    /// Row by row, padded, and 16 more, so that every entry begins 16.
+    pub(crate) heights: Vec<f32>,
+}
+
+impl Level {
+    /// Heights 0 of `size`, as wide as a field of `full` vertices.
+    pub(crate) fn new(size: [usize; 2], full: [usize; 2]) -> Self {
+        Self::scaled(size, full, [0, 1].map(|axis| size[axis] as f64 / full[axis] as f64))
+    }
+
+    fn scaled(size: [usize; 2], full: [usize; 2], scale: [f64; 2]) -> Self {
+        let shift = [0, 1].map(|axis| 0.5 * (size[axis] as f64 - full[axis] as f64 * scale[axis]));
+        Level { size, scale, shift, heights: vec![0.0; (size[0] + 2 * PAD) * size[1] + 16] }
+    }
+
+    /// Heights 0 for bringing a level back to at least twice its own resolution: by a power of two of the field's, at least an
+    /// eighth, so that registers of receivers lie alike among samples.
+    pub(crate) fn octave(of: &Level, full: [usize; 2]) -> Self {
+        let halved =
+            |axis: usize| (0..3).take_while(|halvings| of.scale[axis] * 2.0 * f64::from(2 << halvings) <= 1.0).count();
+        let halvings = [0, 1].map(halved);
+        let size = [0, 1].map(|axis| full[axis].div_ceil(1 << halvings[axis]));
+        Self::scaled(size, full, halvings.map(|halvings| 1.0 / f64::from(1 << halvings)))
+    }
+
+    pub(crate) fn stride(&self) -> usize {
+        self.size[0] + 2 * PAD
+    }
+
+    /// A row with its padding.
+    pub(crate) fn padded(&self, row: usize) -> &[f32] {
+        &self.heights[row * self.stride()..][..self.stride()]
+    }
+
+    /// A row.
+    pub(crate) fn row(&self, row: usize) -> &[f32] {
+        &self.padded(row)[PAD..][..self.size[0]]
+    }
+
+    /// Rows with their padding, to be filled by [`fill`] each.
+    pub(crate) fn rows_mut(&mut self, rows: &Range<usize>) -> &mut [f32] {
+        let stride = self.stride();
+        &mut self.heights[rows.start * stride..rows.end * stride]
+    }
+
+    /// Takes rows of a field's heights.
+    pub(crate) fn copy(&mut self, field: &HeightField, rows: &Range<usize>) {
+        let (stride, columns) = (self.stride(), self.size[0]);
+        let from = field.heights()[rows.start * columns..].chunks_exact(columns);
+        for (to, from) in self.rows_mut(rows).chunks_exact_mut(stride).zip(from) {
+            fill(to, |column| from[column]);
+        }
+    }
+
+    /// Makes rows out of the next finer level by bilinear interpolation at the samples' centres (§6): at most twice as coarse,
+    /// so that every height counts.
+    pub(crate) fn decimate(&mut self, finer: &Level, rows: &Range<usize>) {
+        let (stride, size) = (self.stride(), self.size);
+        let columns: Vec<(usize, f32)> = (0..size[0]).map(|column| split(column, size[0], finer.size[0])).collect();
+        let all = self.rows_mut(rows).par_chunks_mut(stride).enumerate();
+        all.for_each_init(Vec::new, |blend, (row, to)| {
+            let (below, share) = split(rows.start + row, size[1], finer.size[1]);
+            let (low, high) = (finer.padded(below), finer.padded((below + 1).min(finer.size[1] - 1)));
+            blend.clear();
+            blend.extend(low.iter().zip(high).map(|(low, high)| mix(*low, *high, share)));
+            fill(to, |column| {
+                let (before, share) = columns[column];
+                mix(blend[PAD + before], blend[PAD + before + 1], share)
+            });
+        });
+    }
+
+    /// The rows that [`Level::decimate`] makes of some rows of the next finer level.
+    pub(crate) fn touched(&self, finer: &Level, rows: &Range<usize>) -> Range<usize> {
+        let reads = |row: &usize| {
+            let (below, _) = split(*row, self.size[1], finer.size[1]);
+            below < rows.end && below + 1 >= rows.start
+        };
+        let mut touched = (0..self.size[1]).filter(reads);
+        let first = touched.next();
+        first.map_or(0..0, |first| first..touched.next_back().unwrap_or(first) + 1)
+    }
+
+    /// The rows whose centres lie within reach of some rows of another level, which a B-spline reads.
+    pub(crate) fn around(&self, other: &Level, rows: &Range<usize>) -> Range<usize> {
+        const REACH: f64 = 3.0;
+        let here = |row: f64| (row + 0.5) * self.scale[1] / other.scale[1] - 0.5;
+        let (first, end) = (here(rows.start as f64 - REACH), here(rows.end as f64 + REACH));
+        first.floor().max(0.0) as usize..(end.ceil().max(0.0) as usize).min(self.size[1])
+    }
+}
+
+/// Writes a row by a function of its columns, and its padding.
+fn fill(padded: &mut [f32], height: impl Fn(usize) -> f32) {
+    let count = padded.len() - 2 * PAD;
+    for (column, entry) in padded[PAD..][..count].iter_mut().enumerate() {
+        *entry = height(column);
+    }
+    pad(padded);
+}
+
+/// Draws a row's ends out over its padding.
+pub(crate) fn pad(padded: &mut [f32]) {
+    let end = padded.len() - PAD;
+    let ends = [padded[PAD], padded[end - 1]];
+    padded[..PAD].fill(ends[0]);
+    padded[end..].fill(ends[1]);
+}
+
+/// Where the centre of sample `at` of `count` lies among `finer`: the sample before it and the share of the one after that.
+fn split(at: usize, count: usize, finer: usize) -> (usize, f32) {
+    let centre = ((at as f64 + 0.5) * finer as f64 / count as f64 - 0.5).clamp(0.0, (finer - 1) as f64);
+    (centre as usize, centre.fract() as f32)
+}
+
+fn mix(from: f32, to: f32, share: f32) -> f32 {
+    from * (1.0 - share) + to * share
+}

@@ -1,0 +1,301 @@
+//! The multi-resolution pyramid (§4, §6).
+
+use std::ops::Range;
+
+use halflight_scenes::HeightField;
+use halflight_sh_kernels::Simd;
+use rayon::prelude::*;
+
+use crate::level::Level;
+use crate::ray::{Grid, Rays, Step, sample, steps};
+use crate::runs::runs;
+use crate::{Azimuth, Horizons, Points, Purpose, Work};
+
+/// Between scales: how angles at the pyramid's distances become a function of distance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Greatest at one of the distances, so that the arctangent is taken once.
+    Linear,
+    /// The cubic B-spline (eq. 4), its maximum sought at knots and half knots.
+    BSpline,
+}
+
+/// In the plane: how samples of a level become a function of position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// Bilinear; passes through the samples.
+    Bilinear,
+    /// Bicubic B-spline; smooths.
+    BSpline,
+}
+
+/// The variants of Fig. 9.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reconstruction {
+    /// Between scales.
+    pub scale: Scale,
+    /// In the plane.
+    pub plane: Plane,
+}
+
+/// Where the reconstruction in the plane happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Storage {
+    /// Levels stay decimated and are reconstructed where they are looked at: about 3.4 times the field's size at 4 levels an
+    /// octave.
+    Decimated,
+    /// Every level is brought back once to at least twice its own resolution, by a power of two of the field's, and looked at
+    /// bilinearly ("multiple image arrays", §6): about 14 times.
+    Octaves,
+    /// Every level is brought back to the field's resolution, as the paper's GPU does: once a level.
+    Full,
+}
+
+/// What a [`Pyramid`] is made with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Levels an octave `k`, at least 1.
+    pub levels_per_octave: usize,
+    /// Level offset `o` in octaves, at least 0: by how much finer than the distance the levels are that are looked at.
+    pub offset: f32,
+    /// How samples become functions.
+    pub reconstruction: Reconstruction,
+    /// Where.
+    pub storage: Storage,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        let reconstruction = Reconstruction { scale: Scale::BSpline, plane: Plane::BSpline };
+        Settings { levels_per_octave: 4, offset: 2.0, reconstruction, storage: Storage::Octaves }
+    }
+}
+
+/// Horizons by multi-scale derivatives.
+pub struct Pyramid {
+    settings: Settings,
+    simd: Simd,
+    cell: [f32; 2],
+    /// The decimated levels, the coarsest first. With [`Storage::Full`] their samples are brought back into `full`.
+    levels: Vec<Level>,
+    full: Vec<Level>,
+    azimuths: Vec<(Azimuth, Vec<Step>)>,
+}
+
+impl Pyramid {
+    /// A pyramid without a field.
+    ///
+    /// # Panics
+    /// If there is no level an octave, or the offset is negative or not finite.
+    pub fn new(settings: Settings) -> Self {
+        Self::on(settings, Simd::best())
+    }
+
+    /// The same by the instructions of one set, for comparisons.
+    ///
+    /// # Panics
+    /// As [`Pyramid::new`].
+    pub fn on(settings: Settings, simd: Simd) -> Self {
+        assert!(settings.levels_per_octave > 0, "at least one level an octave");
+        assert!(settings.offset >= 0.0 && settings.offset.is_finite(), "a level offset of at least 0");
+        Pyramid { settings, simd, cell: [0.0; 2], levels: Vec::new(), full: Vec::new(), azimuths: Vec::new() }
+    }
+
+    /// Levels, `k · log2 n + 1` for a square field of `n` vertices a side.
+    pub fn levels(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Columns and rows of a level, the coarsest first.
+    pub fn level_size(&self, level: usize) -> [usize; 2] {
+        self.levels[level].size
+    }
+
+    /// A row of a decimated level's samples in metres.
+    pub fn level_row(&self, level: usize, row: usize) -> &[f32] {
+        self.levels[level].row(row)
+    }
+
+    /// Elevations as [`Horizons::elevations`] gives them, with a reconstruction in scale of the caller's choice.
+    ///
+    /// # Panics
+    /// As [`Horizons::elevations`].
+    pub fn elevations_by(&self, scale: Scale, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]) {
+        self.look(at, azimuths, out, |_| scale);
+    }
+
+    fn look(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32], scale: impl Fn(Azimuth) -> Scale) {
+        assert_eq!(out.len(), at.len() * azimuths.len(), "an entry for every point and azimuth");
+        match (self.settings.storage, self.settings.reconstruction.plane) {
+            (Storage::Octaves | Storage::Full, _) => self.over::<2>(&self.full, at, azimuths, out, scale),
+            (Storage::Decimated, Plane::Bilinear) => self.over::<2>(&self.levels, at, azimuths, out, scale),
+            (Storage::Decimated, Plane::BSpline) => self.over::<4>(&self.levels, at, azimuths, out, scale),
+        }
+    }
+
+    fn over<const T: usize>(
+        &self,
+        levels: &[Level],
+        at: Points<'_>,
+        azimuths: Range<usize>,
+        out: &mut [f32],
+        scale: impl Fn(Azimuth) -> Scale,
+    ) {
+        let Some(finest) = self.levels.last() else {
+            panic!("a field before receivers");
+        };
+        let mut rays = Rays::<T>::new(levels, self.simd);
+        let coarsest = self.looked_at(0);
+        for run in runs(at, finest.size) {
+            rays.stand(run, coarsest);
+            for (index, (azimuth, steps)) in self.azimuths[azimuths.clone()].iter().enumerate() {
+                let elevations = rays.look(steps, scale(*azimuth));
+                out[index * at.len() + run.first..][..run.count].copy_from_slice(elevations);
+            }
+        }
+    }
+
+    /// The level that is looked at for a distance: `min(⌈i + k·o⌉, N − 1)`.
+    fn looked_at(&self, distance: usize) -> usize {
+        let offset = (self.settings.levels_per_octave as f32 * self.settings.offset - 1e-4).ceil().max(0.0);
+        (distance + offset.min(self.levels.len() as f32) as usize).min(self.levels.len() - 1)
+    }
+
+    /// Whether the levels are those of a field's grid.
+    fn fits(&self, field: &HeightField) -> bool {
+        let finest = self.levels.last().map(|level| level.size);
+        finest == Some([field.columns(), field.rows()]) && self.cell == field.cell().to_array()
+    }
+
+    /// The rows from the first to the last that differ from the finest level's.
+    fn changed(&self, field: &HeightField) -> Option<Range<usize>> {
+        let finest = &self.levels[self.levels.len() - 1];
+        let differs = |row: &usize| finest.row(*row) != &field.heights()[row * field.columns()..][..field.columns()];
+        let mut rows = (0..field.rows()).filter(differs);
+        let first = rows.next()?;
+        Some(first..rows.next_back().unwrap_or(first) + 1)
+    }
+
+    /// Levels for a field's grid.
+    fn shape(&mut self, field: &HeightField) {
+        self.cell = field.cell().to_array();
+        let size = [field.columns(), field.rows()];
+        let spans = [0, 1].map(|axis| size[axis] as f64 * f64::from(self.cell[axis]));
+        let spacing = Spacing::new(spans, self.cell, self.settings.levels_per_octave);
+        let samples = |level: usize, axis: usize| match level + 1 == spacing.levels {
+            true => size[axis],
+            false => ((spans[axis] / spacing.at(level)).round() as usize).clamp(1, size[axis]),
+        };
+        self.levels =
+            (0..spacing.levels).map(|level| Level::new([samples(level, 0), samples(level, 1)], size)).collect();
+        self.full = match self.settings.storage {
+            Storage::Decimated => Vec::new(),
+            Storage::Octaves => self.levels.iter().map(|level| Level::octave(level, size)).collect(),
+            Storage::Full => self.levels.iter().map(|_| Level::new(size, size)).collect(),
+        };
+        self.azimuths.clear();
+    }
+
+    /// Steps of all azimuths.
+    fn aim(&mut self, azimuths: &[Azimuth]) {
+        let finest = &self.levels[self.levels.len() - 1];
+        let spans = [0, 1].map(|axis| finest.size[axis] as f64 * f64::from(self.cell[axis]));
+        let spacing = Spacing::new(spans, self.cell, self.settings.levels_per_octave);
+        let distances = |_: &Azimuth| (0..spacing.levels).map(|i| (self.looked_at(i), spacing.at(i)));
+        let aimed = azimuths.iter().map(|azimuth| (*azimuth, steps(azimuth.angle, self.cell, distances(azimuth))));
+        self.azimuths = aimed.collect();
+    }
+
+    /// Takes the rows of heights that differ, and makes again what depends on them.
+    fn take(&mut self, field: &HeightField, mut rows: Range<usize>) {
+        for index in (0..self.levels.len()).rev() {
+            let (coarser, finer) = self.levels.split_at_mut(index + 1);
+            let level = &mut coarser[index];
+            match finer.first() {
+                None => level.copy(field, &rows),
+                Some(finer) => {
+                    rows = level.touched(finer, &rows);
+                    level.decimate(finer, &rows);
+                }
+            }
+            if let Some(back) = self.full.get_mut(index) {
+                bring_back(level, &rows, self.settings.reconstruction.plane, self.simd, back);
+            }
+        }
+    }
+}
+
+/// Brings what depends on some rows of a level back to the resolution that it is looked at with.
+fn bring_back(level: &Level, rows: &Range<usize>, plane: Plane, simd: Simd, back: &mut Level) {
+    let (stride, grid) = (back.stride(), Grid { scale: back.scale, shift: back.shift });
+    let rows = back.around(level, rows);
+    let all = back.rows_mut(&rows).par_chunks_mut(stride).enumerate();
+    match plane {
+        Plane::Bilinear => all.for_each(|(row, to)| sample::<2>(level, &grid, rows.start + row, simd, to)),
+        Plane::BSpline => all.for_each(|(row, to)| sample::<4>(level, &grid, rows.start + row, simd, to)),
+    }
+}
+
+/// Distances of the levels in metres: `b^-i` of the field's longer side down to its shorter cell.
+struct Spacing {
+    longest: f64,
+    base: f64,
+    levels: usize,
+}
+
+/// Octaves between the longest and the shortest distance at most, for cells of extreme shape.
+const OCTAVES: f64 = 24.0;
+
+impl Spacing {
+    fn new(spans: [f64; 2], cell: [f32; 2], levels_per_octave: usize) -> Self {
+        let longest = spans[0].max(spans[1]);
+        let octaves = (longest / f64::from(cell[0].min(cell[1]))).log2().min(OCTAVES);
+        let per_octave = levels_per_octave as f64;
+        // A field of 2^i vertices has whole octaves, whatever the logarithm's last digit says.
+        let levels = (per_octave * octaves - 1e-6).ceil() as usize + 1;
+        Spacing { longest, base: (1.0 / per_octave).exp2(), levels }
+    }
+
+    fn at(&self, level: usize) -> f64 {
+        self.longest * self.base.powi(-(level as i32))
+    }
+}
+
+impl Horizons for Pyramid {
+    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) {
+        let changed = match self.fits(field) {
+            true => self.changed(field),
+            false => {
+                self.shape(field);
+                Some(0..field.rows())
+            }
+        };
+        if let Some(rows) = changed {
+            self.take(field, rows);
+        }
+        if !self.azimuths.iter().map(|(azimuth, _)| azimuth).eq(azimuths) {
+            self.aim(azimuths);
+        }
+    }
+
+    fn elevations(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]) {
+        let chosen = self.settings.reconstruction.scale;
+        self.look(at, azimuths, out, |azimuth| match azimuth.purpose {
+            Purpose::Key => chosen,
+            Purpose::Environment => Scale::Linear,
+        });
+    }
+
+    fn work(&self, azimuth: usize) -> Work {
+        let (_, steps) = &self.azimuths[azimuth];
+        let levels = if self.full.is_empty() { &self.levels } else { &self.full };
+        let vertices: usize = self.levels.last().map_or(0, |finest| finest.size[0] * finest.size[1]);
+        let share = |step: &Step| (levels[step.level].size[0] * levels[step.level].size[1]) as f64 / vertices as f64;
+        Work { samples: steps.len() as f64, bytes: 4.0 * steps.iter().map(share).sum::<f64>() }
+    }
+
+    fn footprint(&self) -> usize {
+        let levels = self.levels.iter().chain(&self.full).map(|level| size_of_val(&level.heights[..])).sum::<usize>();
+        levels + self.azimuths.iter().map(|(_, steps)| size_of_val(&steps[..])).sum::<usize>()
+    }
+}
