@@ -2,7 +2,7 @@
 
 use crate::ReportError;
 use crate::figures::legend;
-use crate::format::{escape, number};
+use crate::format::{escape, number, plus_minus};
 use crate::page::shell;
 use crate::raster::{displayed, error_map, error_scale};
 use crate::report::replace;
@@ -141,26 +141,4 @@ fn rmse(d: &Difference) -> String {
 fn bias(d: &Difference) -> String {
     let sign = if d.bias > 0.0 { "+" } else { "" };
     format!("{sign}{}", plus_minus(d.bias, d.bias_error))
-}
-
-/// A value with its standard error, to the error's first digit.
-fn plus_minus(value: f64, error: f64) -> String {
-    if error <= 0.0 || !error.is_finite() {
-        return number(value);
-    }
-    let places = (-error.log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{value:.places$} ± {error:.places$}").replace('-', "−")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::plus_minus;
-
-    #[test]
-    fn the_error_decides_on_the_digits() {
-        assert_eq!(plus_minus(0.030_341, 0.000_038_9), "0.03034 ± 0.00004");
-        assert_eq!(plus_minus(-1.25, 0.3), "−1.2 ± 0.3");
-        assert_eq!(plus_minus(1234.5, 20.0), "1234 ± 20");
-        assert_eq!(plus_minus(0.5, 0.0), "0.500");
-    }
 }

@@ -36,6 +36,15 @@ pub(crate) fn number(value: f64) -> String {
     text.replace('-', "−")
 }
 
+/// A value with its standard error, to the error's first digit.
+pub fn plus_minus(value: f64, error: f64) -> String {
+    if error <= 0.0 || !error.is_finite() {
+        return number(value);
+    }
+    let places = (-error.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.places$} ± {error:.places$}").replace('-', "−")
+}
+
 /// A time given in nanoseconds, with its unit.
 pub(crate) fn time(nanoseconds: f64) -> String {
     let (scale, unit) = time_unit(nanoseconds);
@@ -115,5 +124,13 @@ mod tests {
         assert_eq!(bytes(3 << 30), "3.00 GiB");
         assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");
         assert_eq!(count(12), "12");
+    }
+
+    #[test]
+    fn the_error_decides_on_the_digits() {
+        assert_eq!(plus_minus(0.030_341, 0.000_038_9), "0.03034 ± 0.00004");
+        assert_eq!(plus_minus(-1.25, 0.3), "−1.2 ± 0.3");
+        assert_eq!(plus_minus(1234.5, 20.0), "1234 ± 20");
+        assert_eq!(plus_minus(0.5, 0.0), "0.500");
     }
 }

@@ -37,6 +37,7 @@ mod threads;
 pub use budget::{Budget, BudgetStep};
 pub use collect::{build, outline};
 pub use criterion::{Benchmark, CriterionError, read_criterion};
+pub use format::plus_minus;
 pub use fronts::{Against, Entry, Front, Relative};
 pub use lines::{Axis, Mark, Plot, Series};
 pub use report::{Absent, CrossCheck, Reference, Report, ReportError, Row, Scene};

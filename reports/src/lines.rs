@@ -233,7 +233,10 @@ mod tests {
         let upwards = Axis { logarithmic: true, ..Axis::linear("error") };
         let html = figure(&Plot { title: "t".into(), across: Axis::linear("frame"), upwards, series }).unwrap();
         assert_eq!(html.matches("<circle").count(), 3, "what is not finite is left out");
-        assert!(html.contains("a&lt;b") && html.contains(">frame\n") && html.contains(">error\n"), "{html}");
+        assert!(
+            html.contains("a&lt;b") && html.contains("frame\n</text>") && html.contains("error\n</text>"),
+            "{html}"
+        );
     }
 
     #[test]

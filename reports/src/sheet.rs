@@ -59,7 +59,7 @@ impl Sheet {
         let rows: String = rows.iter().map(row).collect();
         let _ = write!(
             self.body,
-            "<div class=\"wide\"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
+            "<div class=\"wide numbers\"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
         );
     }
 

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 pub(super) struct Figure {
     /// Ids such as shexp/fig7, or shexp/* for all of a paper; a list of all if not given
     ids: Vec<String>,
-    /// Where pages go: DIR/<id>/index.html
+    /// Where pages go: DIR/ID/index.html
     #[arg(long, value_name = "DIR", default_value = "halflight-out/figures")]
     out: PathBuf,
     /// Rounds of every timing

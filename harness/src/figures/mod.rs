@@ -2,7 +2,7 @@
 //!
 //! A [`Figure`] is one of them: where the paper has it, what it shows (data), and how its page is made (`Figure::make`). A paper
 //! has a folder, a figure a file, and a line in the folder's `FIGURES`. What a figure claims in numbers is a row of the ledger:
-//! its page measures that row ([`claims`]) rather than measure the same another way.
+//! its page measures that row (`claims.rs`) rather than measure the same another way.
 
 mod claims;
 mod seeing;

@@ -3,12 +3,12 @@
 use crate::Error;
 use crate::budget::chain::What;
 use crate::budget::{Asked, Seen, apart};
-use crate::ledger::{Bench, Setting, number, silent};
+use crate::ledger::{Bench, Setting, silent};
 use crate::probe::Question;
 use glam::{Vec2, Vec3};
 use halflight_contract::Quantity;
 use halflight_references::Reference;
-use halflight_reports::Shown;
+use halflight_reports::{Shown, plus_minus};
 use halflight_scenes::{Grid, Placement, Scene};
 
 /// Direct light of a scene at a frame.
@@ -52,11 +52,6 @@ pub(super) fn alone<'a>(name: impl Into<String>, seen: &'a Seen) -> Shown<'a> {
 pub(super) fn beside<'a>(name: impl Into<String>, seen: &'a Seen, against: &'a Seen) -> Result<Shown<'a>, Error> {
     let found = apart(seen, against)?;
     let caption =
-        format!("RMSE {}, bias {}", with_error(found.rmse, found.rmse_error), with_error(found.bias, found.bias_error));
+        format!("RMSE {}, bias {}", plus_minus(found.rmse, found.rmse_error), plus_minus(found.bias, found.bias_error));
     Ok(Shown { name: name.into(), caption, picture: &seen.picture, against: Some(&against.picture) })
-}
-
-/// A value with its standard error, if it has one.
-pub(super) fn with_error(value: f64, error: f64) -> String {
-    if error > 0.0 { format!("{} ± {}", number(value), number(error)) } else { number(value) }
 }

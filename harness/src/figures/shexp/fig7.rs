@@ -5,11 +5,11 @@ use crate::budget::chain::walk;
 use crate::budget::{Asked, Seen, apart};
 use crate::figures::Figure;
 use crate::figures::claims::claim;
-use crate::figures::seeing::{direct, with_error};
+use crate::figures::seeing::direct;
 use crate::ledger::{Bench, Setting, silent};
 use glam::Vec3;
 use halflight_contract::Quantity;
-use halflight_reports::{Sheet, Shown};
+use halflight_reports::{Sheet, Shown, plus_minus};
 use halflight_scenes::Scene;
 
 pub(super) const FIGURE: Figure = Figure {
@@ -93,7 +93,7 @@ fn row(name: &str, [before, this]: [&Seen; 2], traced: [&Seen; 2], shadow: &[boo
         outside,
     ];
     let told = [sign(inside, ["darker", "lighter"]), sign(outside, ["larger", "smaller"])].concat().join(", ");
-    let values = values.iter().map(|(value, error)| with_error(*value, *error));
+    let values = values.iter().map(|(value, error)| plus_minus(*value, *error));
     Ok([name.to_owned()].into_iter().chain(values).chain([told]).collect())
 }
 

@@ -110,9 +110,12 @@ mod tests {
             let cube = f64::from(c.max(0.0).powi(3));
             let [paper, continuous] = RULES.map(|rule| jump(|d| Ok(blocked(rule, c, d))).unwrap());
             assert!((paper - cube).abs() < 2e-3 && continuous.abs() < 2e-3, "c = {c}: {paper}, {continuous}");
-            // Order 4 holds half a sky to a few hundredths.
+            // The log's clip at order 4 lets a few hundredths of a wide circle through.
             let [paper, continuous] = RULES.map(|rule| jump_of_method(&bench, rule, c).unwrap());
-            assert!((paper - cube).abs() < 0.05 && continuous.abs() < 5e-3, "c = {c}: {paper}, {continuous}");
+            assert!(
+                (paper - cube).abs() < 0.1 * cube + 1e-3 && continuous.abs() < 1e-3,
+                "c = {c}: {paper}, {continuous}"
+            );
         }
     }
 }

@@ -87,7 +87,9 @@ fn judge(figures: &Figures<'_>) -> Option<Judgement> {
             figures.value(&rmse(model, "order 6 truncated to 4 in all"))?,
         ];
         order.push(truncation > spheres && spheres > log);
-        signs.push(of_truncation < 0.0 && of_spheres < 0.0);
+        // Surely: the whole interval.
+        let darkens = |what| Some(figures.interval(&bias(model, what))?[1] < 0.0);
+        signs.push(darkens(TRUNCATION)? && darkens(SPHERES)?);
         higher.push(six < four);
         told.push(format!(
             "{model}: truncation {} (bias {}), spheres {} (bias {}), log space {}; in all {} at order 4, {} at 6 truncated to 4",

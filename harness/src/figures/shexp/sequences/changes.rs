@@ -4,7 +4,7 @@ use crate::budget::Seen;
 use glam::Vec3;
 use halflight_metrics::median;
 
-/// A pop bends a picture so many times as much as the frames around it are bent in the median.
+/// A pop bends a picture so many times as much as the frames around it are bent in the median, and more than the truth.
 pub(super) const FACTOR: f64 = 3.0;
 /// Frames on either side that a bend is held against.
 pub(super) const WINDOW: usize = 6;
@@ -47,27 +47,41 @@ fn change(run: [&Seen; 2], truth: [&Seen; 2]) -> Change {
     Change { error: root(square), truth: root(own), ..found }
 }
 
-/// How far each picture lies from the middle of its neighbours, from the second frame to the last but one: root mean square over
-/// receivers and channels, without noise. Smooth motion bends little, a pop as far as it jumps.
-pub(super) fn bends(run: &[Seen]) -> Vec<f64> {
-    let bend = |frames: &[Seen]| {
-        let [before, this, after] = [&frames[0], &frames[1], &frames[2]];
-        let mut square = 0.0;
-        for i in 0..this.variance.len() {
-            let off = this.picture.radiance[i] - 0.5 * (before.picture.radiance[i] + after.picture.radiance[i]);
-            square += mean(off * off - this.variance[i] - 0.25 * (before.variance[i] + after.variance[i]));
-        }
-        (square / this.variance.len().max(1) as f64).max(0.0).sqrt()
-    };
-    run.windows(3).map(bend).collect()
+/// How far a picture lies from the middle of its neighbours. Smooth motion bends little, a pop as far as it jumps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Bend {
+    /// Root mean square over receivers and channels, without noise; radiance.
+    pub(super) size: f64,
+    /// What it is below by two standard errors of the noise.
+    pub(super) most: f64,
 }
 
-/// Frames whose bend stands out of those around.
-pub(super) fn pops(bends: &[f64]) -> Vec<usize> {
+/// The bends from the second frame to the last but one.
+pub(super) fn bends(run: &[Seen]) -> Vec<Bend> {
+    run.windows(3).map(|frames| bend([&frames[0], &frames[1], &frames[2]])).collect()
+}
+
+fn bend([before, this, after]: [&Seen; 3]) -> Bend {
+    let (mut square, mut doubt) = (0.0, 0.0);
+    for i in 0..this.variance.len() {
+        let off = this.picture.radiance[i] - 0.5 * (before.picture.radiance[i] + after.picture.radiance[i]);
+        let variance = this.variance[i] + 0.25 * (before.variance[i] + after.variance[i]);
+        square += mean(off * off - variance);
+        // The variance of d² for a normal d of mean δ is 4δ²σ² + 2σ⁴, and the mean of d² is δ² + σ²; channels err alike.
+        doubt += mean(4.0 * off * off * variance - 2.0 * variance * variance);
+    }
+    let count = this.variance.len().max(1) as f64;
+    let (square, doubt) = (square / count, doubt.max(0.0).sqrt() / count);
+    Bend { size: square.max(0.0).sqrt(), most: (square + 2.0 * doubt).max(0.0).sqrt() }
+}
+
+/// Frames whose bend stands out of those around, and is surely more than the truth's own there.
+pub(super) fn pops(bends: &[Bend], truth: &[Bend]) -> Vec<usize> {
     let stands_out = |t: &usize| {
         let around = t.saturating_sub(WINDOW)..(t + WINDOW + 1).min(bends.len());
-        let others: Vec<f64> = around.filter(|other| other != t).map(|other| bends[other]).collect();
-        median(&others).is_some_and(|usual| bends[*t] > FACTOR * usual)
+        let others: Vec<f64> = around.filter(|other| other != t).map(|other| bends[other].size).collect();
+        let usual = median(&others).unwrap_or(f64::INFINITY);
+        bends[*t].size > FACTOR * usual && bends[*t].size > truth[*t].most
     };
     (0..bends.len()).filter(stands_out).map(|t| t + 1).collect()
 }
@@ -110,16 +124,18 @@ mod tests {
             // The truth by 0.01, which stands out of the noise less: 4δ²σ² + 2σ⁴ for 2σ⁴.
             assert!((change.truth.powi(2) - 1e-4).abs() < 2f64.sqrt() * slack(2e-4), "{change:?}");
         }
-        assert!(bends(&truth).iter().all(|bend| bend.powi(2) < slack(1.5e-4)), "{:?}", bends(&truth));
+        assert!(bends(&truth).iter().all(|bend| bend.size.powi(2) < slack(1.5e-4)), "{:?}", bends(&truth));
     }
 
     #[test]
     fn a_jump_bends_two_frames_and_a_single_frame_three() {
         // A swing whose bends change by half along the way.
         let swing = |t: usize| 0.1 * (0.2 * t as f32 + 0.5).sin();
-        let popped = |pop: &dyn Fn(usize) -> f32| pops(&bends(&frames(20, 0.0, |t, _| swing(t) + pop(t))));
-        assert_eq!(popped(&|_| 0.0), [0usize; 0]);
-        assert_eq!(popped(&|t| if t > 9 { 0.04 } else { 0.0 }), [9, 10]);
-        assert_eq!(popped(&|t| if t == 9 { 0.04 } else { 0.0 }), [8, 9, 10]);
+        let with = |pop: &dyn Fn(usize) -> f32| bends(&frames(20, 0.0, |t, _| swing(t) + pop(t)));
+        let (smooth, single) = (with(&|_| 0.0), with(&|t| if t == 9 { 0.04 } else { 0.0 }));
+        assert_eq!(pops(&smooth, &smooth), [0usize; 0]);
+        assert_eq!(pops(&with(&|t| if t > 9 { 0.04 } else { 0.0 }), &smooth), [9, 10]);
+        assert_eq!(pops(&single, &smooth), [8, 9, 10]);
+        assert_eq!(pops(&single, &single), [0usize; 0], "what the truth does is no pop");
     }
 }

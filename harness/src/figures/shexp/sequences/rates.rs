@@ -1,6 +1,6 @@
 //! What a frame of a sequence costs: `update`, which all motion forces, apart from shading.
 
-use super::{FRAMES, METHODS};
+use super::FRAMES;
 use crate::Error;
 use crate::execute::{evaluate, prepare_once, update};
 use crate::ledger::{Bench, Setting, number, silent};
@@ -12,6 +12,8 @@ use halflight_scenes::Rgb;
 use std::time::Instant;
 
 const SCENES: [&str; 2] = ["walker", "boxers"];
+const METHODS: [(&str, &[(&str, &str)]); 2] =
+    [("hyb", &[("spheres", "64")]), ("hyb, cut=20", &[("spheres", "64"), ("cut", "20")])];
 
 /// Milliseconds of every frame of the scenes as they are shipped, receivers in the camera's pixels.
 pub(super) fn rates(bench: &Bench, sheet: &mut Sheet) -> Result<(), Error> {

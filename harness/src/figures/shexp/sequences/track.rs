@@ -11,35 +11,41 @@ use glam::Vec3;
 use halflight_references::{Quality, Reference};
 use halflight_results::{Layout, Picture};
 use halflight_scenes::{Frame, Rgb, Scene, Shape};
+use std::ops::Range;
 
 /// A sequence with receivers that stay where they are on the ground and on the skin.
 pub(super) struct Track {
     scene: Scene,
     /// For every frame the scene with its receivers there; posed alike.
     placed: Vec<Scene>,
+    /// The first frame's number in the scene.
+    first: usize,
     /// How many receivers lie on the ground; they come first.
     ground: usize,
 }
 
 impl Track {
-    /// A shipped scene from its first frame on, at so many frames a second; `ground²` receivers about the origin and `skin` on each
+    /// Frames of a shipped scene at so many a second; `ground²` receivers about the origin and `skin` on each
     /// object that deforms.
-    pub(super) fn new(name: &str, rate: f32, frames: usize, ground: usize, skin: usize) -> Result<Track, Error> {
-        let scene = Scene { frame_count: frames, fps: rate, ..halflight_scenes::find(name)? }.as_changed();
-        let placed = (0..frames).map(|index| scene.with_receivers(&points(&scene, &scene.frame(index), ground, skin)));
-        Ok(Track { placed: placed.collect(), scene, ground: ground * ground })
+    pub(super) fn new(name: &str, rate: f32, frames: Range<usize>, ground: usize, skin: usize) -> Result<Track, Error> {
+        let scene = Scene { frame_count: frames.end, fps: rate, ..halflight_scenes::find(name)? }.as_changed();
+        let placed =
+            frames.clone().map(|index| scene.with_receivers(&points(&scene, &scene.frame(index), ground, skin)));
+        Ok(Track { placed: placed.collect(), scene, first: frames.start, ground: ground * ground })
     }
 
-    /// The ray-traced truth, the noise of every frame independent of the others'. Half the error that is asked for, since
+    /// A reference at every so many frames, the noise of each independent of the others'. Half the error that is asked for, since
     /// frames differ by little.
-    pub(super) fn truth(&self, bench: &Bench) -> Result<Vec<Seen>, Error> {
+    pub(super) fn traced(&self, bench: &Bench, reference: &str, every: usize) -> Result<Vec<Seen>, Error> {
+        let reference = Reference::parse(reference).map_err(|error| Error::Other(error.to_string()))?;
         let quality = &bench.terms.quality;
         let quality = Quality { standard_error: quality.standard_error / 2.0, ..*quality };
         let traced = |(index, scene): (usize, &Scene)| {
-            let question = Question { seed: 1 + index as u64, ..direct(scene, index) };
-            Asked::new(&question, &quality, &bench.terms.cache)?.see(&What::Reference(Reference::TRUTH), &mut silent)
+            let question = Question { seed: 1 + index as u64, ..direct(scene, self.first + index) };
+            let asked = Asked::new(&question, &quality, &bench.terms.cache)?;
+            asked.see(&What::Reference(reference.clone()), &mut silent)
         };
-        self.placed.iter().enumerate().map(traced).collect()
+        self.placed.iter().enumerate().step_by(every).map(traced).collect()
     }
 
     /// The ground's receivers alone, or the skin's.
@@ -58,13 +64,21 @@ impl Track {
     pub(super) fn shaded(&self, bench: &Bench, setting: &Setting) -> Result<Vec<Seen>, Error> {
         let mut runner = Runner::new(bench.task(&self.scene, setting.method, &setting.params));
         let shade = |(index, scene): (usize, &Scene)| {
-            let frame = scene.frame(index);
+            let frame = scene.frame(self.first + index);
             let shaded = runner.picture(&frame, &mut silent);
             let radiance = shaded.map_err(|error| setting.failed(&self.scene, &error))?.radiance;
             let (variance, valid) = (vec![Rgb::ZERO; radiance.len()], frame.receivers.valid.clone());
             Ok(Seen { picture: Picture { layout: Layout::List(radiance.len()), radiance, valid }, variance })
         };
         self.placed.iter().enumerate().map(shade).collect()
+    }
+
+    /// Spheres accumulated a receiver in the first frame.
+    pub(super) fn accumulated(&self, bench: &Bench, setting: &Setting) -> Result<f64, Error> {
+        let scene = &self.placed[0];
+        let counters = bench.shaded(scene, &scene.frame(self.first), setting)?.recorded.counters;
+        let count = |name: &str| counters.get(name).copied().unwrap_or(0) as f64;
+        Ok(count("blockers accumulated") / count("receivers"))
     }
 }
 
@@ -95,12 +109,12 @@ mod tests {
     fn a_planted_pop_is_found_and_a_walk_has_none() {
         let cache = tempfile::tempdir().unwrap();
         let bench = Bench::new(&Terms { cache: cache.path().into(), quality: Quality::default(), rounds: 1 });
-        let track = Track::new("walker", 120.0, 14, 10, 100).unwrap();
+        let track = Track::new("walker", 120.0, 0..14, 10, 100).unwrap();
         let shaded =
             |spheres| track.shaded(&bench, &Setting::new("shexp/hyb", &[("spheres", spheres)]).unwrap()).unwrap();
-        let mut run = shaded("20");
-        assert_eq!(pops(&bends(&run)), [0usize; 0], "{:?}", bends(&run));
+        let (mut run, truth) = (shaded("20"), bends(&track.traced(&bench, "truth", 1).unwrap()));
+        assert_eq!(pops(&bends(&run), &truth), [0usize; 0], "{:?}", bends(&run));
         run[7] = shaded("19").swap_remove(7);
-        assert_eq!(pops(&bends(&run)), [6, 7, 8], "{:?}", bends(&run));
+        assert_eq!(pops(&bends(&run), &truth), [6, 7, 8], "{:?}", bends(&run));
     }
 }
