@@ -23,8 +23,8 @@ pub use page::page;
 pub(crate) use page::value;
 pub use row::Row;
 pub(crate) use row::number;
-pub(crate) use rows::Seams;
 pub use rows::{ROWS, chosen};
+pub(crate) use rows::{Seams, swaying};
 
 /// Measures a row and appends its figures to a store; returns how many there are.
 ///
