@@ -86,7 +86,7 @@ pub const GUARD: ParamSpec = ParamSpec {
     name: "guard",
     kind: Kind::Flag { default: true },
     phase: Phase::Evaluate,
-    help: "bring visibility back to 0 ≤ g0 ≤ √4π and ‖g‖² ≤ √4π·g0 where heavy overlap makes it diverge (counted)",
+    help: "bring visibility back to 0 ≤ g0 ≤ √4π and ‖g‖² ≤ √4π·g0 where heavy overlap makes it diverge (counted); where that is in deep shadow, it may open the sky",
 };
 
 /// Windowing of the light.

@@ -145,7 +145,8 @@ impl<A: Accumulator> Shading<'_, A> {
     /// Sets what is known of blockers that are not gathered again, and returns how many each receiver has.
     fn resume(&self, group: &[usize], state: &mut A::State) -> [u32; LANES] {
         let mut counts = [0; LANES];
-        let Some((bake, sums)) = self.bake.zip(self.accumulator.kept(state)) else { return counts };
+        let Some(bake) = self.bake else { return counts };
+        let Some(sums) = self.accumulator.kept(state) else { return counts };
         for (lane, (&receiver, count)) in group.iter().zip(&mut counts).enumerate() {
             let (known, values) = bake.at(receiver);
             *count = known;

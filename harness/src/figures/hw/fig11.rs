@@ -15,7 +15,7 @@ pub(super) const FIGURE: Figure = Figure {
     make,
 };
 
-const SIZE: [usize; 2] = [360, 240];
+const SIZE: [usize; 2] = [400, 200];
 
 fn make(bench: &Bench, sheet: &mut Sheet) -> Result<(), Error> {
     let plan = planned("paper/hw-fig11")?;

@@ -17,7 +17,7 @@ pub(super) const FIGURE: Figure = Figure {
     make,
 };
 
-const SIZE: [usize; 2] = [480, 320];
+const SIZE: [usize; 2] = [480, 240];
 
 fn make(bench: &Bench, sheet: &mut Sheet) -> Result<(), Error> {
     let plan = planned("paper/hw-fig8")?;

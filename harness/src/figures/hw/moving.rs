@@ -45,7 +45,8 @@ fn make(bench: &Bench, sheet: &mut Sheet) -> Result<(), Error> {
     sheet.note(&format!(
         "Receivers: all vertices. e_t is the radiance of frame t less the ray-traced truth's; its noise is taken out of all root mean squares. The \
          bend of a frame is how far it lies from the middle of its neighbours; a pop bends {} times as much as the {} frames around in the \
-         median, and surely more than the truth does there. The planted frame has a level offset of half an octave in place of two.",
+         median, and surely more than the truth does there. Where the truth's is 0, it is below its noise. The planted frame has a level offset of half an \
+         octave in place of two.",
         changes::FACTOR,
         2 * changes::WINDOW
     ));

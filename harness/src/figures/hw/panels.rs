@@ -18,7 +18,7 @@ pub(super) fn planned(suite: &str) -> Result<Plan, Error> {
 
 /// A terrain seen through a camera, in place of its vertices.
 pub(super) fn from(eye: Vec3, target: Vec3, [width, height]: [usize; 2], scene: &Scene) -> Scene {
-    let camera = Camera { eye, target, up: Vec3::Z, vertical_fov: 40f32.to_radians(), width, height };
+    let camera = Camera { eye, target, up: Vec3::Z, vertical_fov: 31f32.to_radians(), width, height };
     Scene { placement: Placement::Camera, camera: Some(camera), ..scene.clone() }.as_changed()
 }
 

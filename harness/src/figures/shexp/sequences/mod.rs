@@ -33,6 +33,7 @@ const SKIN: usize = 300;
 const SPARSE: usize = 10;
 /// Where a sphere set of another size is planted: the walk at the capture's rate is calm there. Less than the truth bends is not told.
 const PLANTED: usize = 50;
+/// Clusters are small, since receivers here are few.
 const METHODS: [(&str, &[(&str, &str)]); 2] =
     [("hyb", &[("spheres", "64")]), ("hyb, cut=20", &[("spheres", "64"), ("cut", "20"), ("cluster", "16")])];
 const OTHER: &[(&str, &str)] = &[("spheres", "63")];

@@ -9,7 +9,7 @@ use halflight_scenes::Frame;
 
 const SCENES: [&str; 2] = ["walker", "boxers"];
 const METHODS: [(&str, &[(&str, &str)]); 2] =
-    [("hyb", &[("spheres", "64")]), ("hyb, cut=20", &[("spheres", "64"), ("cut", "20")])];
+    [("hyb", &[("spheres", "64")]), ("hyb, cut=20, clusters of 256", &[("spheres", "64"), ("cut", "20")])];
 
 /// Milliseconds of every frame of the scenes as they are shipped, receivers in the camera's pixels.
 pub(super) fn rates(bench: &Bench, sheet: &mut Sheet) -> Result<(), Error> {
