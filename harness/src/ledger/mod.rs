@@ -26,8 +26,8 @@ pub use page::page;
 pub(crate) use page::value;
 pub use row::Row;
 pub(crate) use row::number;
-pub(crate) use rows::Seams;
 pub use rows::{ROWS, chosen};
+pub(crate) use rows::{Seams, swaying};
 pub(crate) use shadows::{SHADOW, in_shadow, mean_change};
 
 /// Measures a row and appends its figures to a store; returns how many there are.

@@ -1,18 +1,17 @@
 //! Characters in motion: error a frame, popping, and the time that a frame takes.
 
-mod changes;
 mod excess;
 mod rates;
-mod tables;
 mod track;
 
 use crate::Error;
 use crate::budget::Seen;
 use crate::figures::Figure;
+use crate::figures::sequence::changes::{self, Bend, bends, changes};
+use crate::figures::sequence::tables::{CHANGES, changes_of, distances, errors_of, popping};
+use crate::figures::sequence::{frames, plot};
 use crate::ledger::{Bench, Setting, number};
-use changes::{Bend, bends, changes};
-use halflight_reports::{Axis, Mark, Plot, Series, Sheet};
-use tables::{changes_of, distances, errors_of, popping};
+use halflight_reports::{Mark, Series, Sheet};
 use track::Track;
 
 pub(super) const FIGURE: Figure = Figure {
@@ -87,14 +86,7 @@ fn sequence(bench: &Bench, sheet: &mut Sheet, name: &str, rate: f32, first: usiz
         }
     }
     sheet.table(&["", "mean of truth", "RMSE, mean over frames", "RMSE, largest", "bias, mean"], &table);
-    let columns = [
-        "change of e from the frame before",
-        "RMS, all frames",
-        "of truth",
-        "largest RMS of a frame",
-        "of truth, there",
-    ];
-    sheet.table(&[&columns[..], &["largest of a receiver", "of truth"]].concat(), &moved);
+    sheet.table(&CHANGES, &moved);
     let cut = distances(&runs[1].1, &runs[0].1)?.iter().map(|d| d.rmse * d.rmse).sum::<f64>() / FRAMES as f64;
     let accumulated = METHODS.map(|(_, settings)| track.accumulated(bench, &Setting::new("shexp/hyb", settings)?));
     let [without, with] = accumulated;
@@ -110,18 +102,9 @@ fn sequence(bench: &Bench, sheet: &mut Sheet, name: &str, rate: f32, first: usiz
     let all: Vec<_> = all.chain([("hyb, planted", bends(&planted)), ("truth", own.clone())]).collect();
     let rows = all.iter().map(|(name, bends)| popping(name, bends, &own));
     sheet.table(&["", "bend, median", "bend, largest", "pops at frames"], &rows.collect::<Vec<_>>());
-    let plot = |title: &str, series| {
-        let (across, upwards) = (Axis::linear("frame"), Axis::linear("radiance"));
-        Plot { title: title.into(), across, upwards, series }
-    };
     sheet.plot(&plot("Error of each frame against the truth, RMSE", errors))?;
     sheet.plot(&plot("Change of the error from the frame before, root mean square", moves))?;
     let sizes = |bends: &[Bend]| bends.iter().map(|bend| bend.size).collect::<Vec<_>>();
     let bent = all.iter().map(|(name, bends)| frames(name, &sizes(bends), 1)).collect();
     Ok(sheet.plot(&plot("Bend: distance of a frame from the middle of its neighbours, root mean square", bent))?)
-}
-
-/// A value a frame, from a first one on.
-fn frames(name: &str, values: &[f64], first: usize) -> Series {
-    Series::new(name, Mark::Line, values.iter().enumerate().map(|(t, value)| ((t + first) as f64, *value)))
 }
