@@ -25,14 +25,22 @@ pub(crate) fn shares<V: Lanes<Scalar = f32>, const T: usize>(t: V) -> [V; T] {
     if T == 2 {
         shares[0] = u;
     } else {
-        let inner = |t: V| t.mul(t).mul(t.mul_add(V::constant(0.5), V::constant(-1.0))).add(V::constant(2.0 / 3.0));
-        let outer = |t: V| t.mul(t).mul(t).mul(V::constant(1.0 / 6.0));
         shares[0] = outer(u);
         shares[1] = inner(t);
         shares[2] = inner(u);
         shares[3] = outer(t);
     }
     shares
+}
+
+#[inline(always)]
+fn inner<V: Lanes<Scalar = f32>>(t: V) -> V {
+    t.mul(t).mul(t.mul_add(V::constant(0.5), V::constant(-1.0))).add(V::constant(2.0 / 3.0))
+}
+
+#[inline(always)]
+fn outer<V: Lanes<Scalar = f32>>(t: V) -> V {
+    t.mul(t).mul(t).mul(V::constant(1.0 / 6.0))
 }
 
 /// What takes heights.
@@ -198,9 +206,12 @@ impl<'l, const T: usize> Line<'l, T> {
         column: usize,
         sink: &mut impl Sink<V>,
     ) {
-        if !registers.is_empty() {
-            let end = V::splat(self.end(column));
-            registers.for_each(|register| sink.put(end, register * V::WIDTH));
+        if registers.is_empty() {
+            return;
+        }
+        let end = V::splat(self.end(column));
+        for register in registers {
+            sink.put(end, register * V::WIDTH);
         }
     }
 

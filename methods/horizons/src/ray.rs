@@ -1,5 +1,7 @@
 //! The horizon of a run of receivers from height differences at growing or shrinking distances.
 
+use std::ops::Range;
+
 use halflight_sh_kernels::{Lanes, Simd, Task, run};
 
 use crate::arctangent::arctangent;
@@ -77,7 +79,7 @@ impl<'l, const T: usize> Rays<'l, T> {
     /// Elevations of the receivers' horizon over the steps of an azimuth, within `[0, π/2]`.
     pub(crate) fn look(&mut self, steps: &[Step], scale: Scale) -> &[f32] {
         let rows = match scale {
-            Scale::Linear => 2,
+            Scale::Linear => 1,
             Scale::BSpline => steps.len(),
         };
         self.tangents.resize(self.tangents.len().max(rows * RUN + 16), 0.0);
@@ -123,7 +125,7 @@ struct Look<'a, const T: usize> {
     steps: &'a [Step],
     own: &'a [f32],
     scale: Scale,
-    /// Those of all steps; or the steepest, then those of one step.
+    /// Those of all steps; or the steepest.
     tangents: &'a mut [f32],
     out: &'a mut [f32; ROOM],
 }
@@ -161,33 +163,22 @@ impl<const T: usize> Look<'_, T> {
     #[inline(always)]
     fn raise<V: Lanes<Scalar = f32>>(&mut self, step: &Step) {
         let seen = self.seen(step);
-        if seen.is_empty() {
-            return;
-        }
-        if seen.len() == self.group.count {
-            let (own, out) = (&self.own[step.level * RUN..], &mut *self.tangents);
-            let beyond = (self.border == Border::Open).then_some(own);
-            let mut steepest = Steepest(Slopes { own, inverse: step.inverse, out });
-            return look::<V, T>(self.levels, self.group, step, beyond, &mut steepest);
-        }
-        self.slopes::<V>(step, 1);
-        let (steepest, step) = self.tangents.split_at_mut(RUN);
-        for (steepest, tangent) in steepest[seen.clone()].iter_mut().zip(&step[seen]) {
-            *steepest = steepest.max(*tangent);
-        }
+        let mut after = [0.0; 16];
+        after.copy_from_slice(&self.tangents[seen.end..][..16]);
+        let (own, out) = (&self.own[step.level * RUN + seen.start..], &mut self.tangents[seen.start..]);
+        let mut steepest = Steepest(Slopes { own, inverse: step.inverse, out });
+        reach::<V, T>(self.levels, self.border, self.group, step, seen.clone(), own, &mut steepest);
+        // The last register's receivers that do not see it.
+        self.tangents[seen.end..][..16].copy_from_slice(&after);
     }
 
     /// Writes the tangents of a step, 0 where it leads beyond an open border.
     #[inline(always)]
     fn slopes<V: Lanes<Scalar = f32>>(&mut self, step: &Step, row: usize) {
         let seen = self.seen(step);
-        if !seen.is_empty() {
-            let (own, out) = (&self.own[step.level * RUN..], &mut self.tangents[row * RUN..]);
-            // As high as the receiver: level.
-            let beyond = (self.border == Border::Open).then_some(own);
-            let mut slopes = Slopes { own, inverse: step.inverse, out };
-            look::<V, T>(self.levels, self.group, step, beyond, &mut slopes);
-        }
+        let (own, out) = (&self.own[step.level * RUN + seen.start..], &mut self.tangents[row * RUN + seen.start..]);
+        let mut slopes = Slopes { own, inverse: step.inverse, out };
+        reach::<V, T>(self.levels, self.border, self.group, step, seen.clone(), own, &mut slopes);
         let tangents = &mut self.tangents[row * RUN..][..self.group.count];
         tangents[..seen.start].fill(0.0);
         tangents[seen.end..].fill(0.0);
@@ -195,7 +186,7 @@ impl<const T: usize> Look<'_, T> {
 
     /// The receivers from which a step leads to what can be seen, where that is told by their row.
     #[inline(always)]
-    fn seen(&self, step: &Step) -> std::ops::Range<usize> {
+    fn seen(&self, step: &Step) -> Range<usize> {
         match (self.border, &self.group.place) {
             (Border::Open, Place::Row([x, y])) => {
                 self.levels[step.level].inside(x + step.offset[0], y + step.offset[1], self.group.count)
@@ -205,21 +196,29 @@ impl<const T: usize> Look<'_, T> {
     }
 }
 
-/// Gives away the heights that a step leads to; beyond the border `beyond`, where that is given.
+/// Gives away the heights that a step leads to from some of the receivers, whose own heights are `own`.
 #[inline(always)]
-fn look<V: Lanes<Scalar = f32>, const T: usize>(
+fn reach<V: Lanes<Scalar = f32>, const T: usize>(
     levels: &[Level],
+    border: Border,
     group: &Group,
     step: &Step,
-    beyond: Option<&[f32]>,
+    seen: Range<usize>,
+    own: &[f32],
     sink: &mut impl Sink<V>,
 ) {
     let level = &levels[step.level];
     match &group.place {
+        Place::Row(_) if seen.is_empty() => {}
         Place::Row([x, y]) => {
-            Line::<T>::new(level, x + step.offset[0], y + step.offset[1]).write::<V>(group.count, sink);
+            let x = x + seen.start as f64 + step.offset[0];
+            Line::<T>::new(level, x, y + step.offset[1]).write::<V>(seen.len(), sink);
         }
-        Place::Spots(at) => spots::write::<V, T>(level, at, step.offset, group.count, beyond, sink),
+        Place::Spots(at) => {
+            // As high as the receiver: level.
+            let beyond = if border == Border::Open { Some(own) } else { None };
+            spots::write::<V, T>(level, at, step.offset, group.count, beyond, sink);
+        }
     }
 }
 

@@ -38,7 +38,9 @@ fn rates(rounds: usize, prefix: &str) {
     for _ in 0..rounds {
         all.iter_mut().for_each(Running::round);
     }
-    println!("| case | receivers | Hz: median, quartiles | update ms | evaluate ms | quickest Hz | processor ms |\n|---|---|---|---|---|---|---|");
+    println!(
+        "| case | receivers | Hz: median, quartiles | update ms | evaluate ms | quickest Hz | processor ms |\n|---|---|---|---|---|---|---|"
+    );
     for running in &all {
         let hertz = |share| 1e3 / running.quantile(share, |times| times.whole());
         println!(
