@@ -124,6 +124,22 @@ fn a_ball_leaves_of_a_lamp_what_its_bands_say() {
     assert!(partial > 20, "{partial}");
 }
 
+/// The paper's table fits what it holds: in the open at order 4 up to what truncation and one lobe leave, and it hides what hides.
+#[test]
+fn lobes_light_as_lamps_do() {
+    let points: Vec<_> = points().into_iter().filter(|(p, n)| (LAMP.center - *p).normalize().dot(*n) > 0.5).collect();
+    assert!(points.len() > 40);
+    let scene = scene(vec![lamp(LAMP)], points.clone());
+    for method in methods() {
+        let found = radiance(method, &scene, &[("order", "4"), ("lamps", "lobe")]);
+        for (found, (position, normal)) in found.iter().zip(&points) {
+            let expected = integral(*position, *normal);
+            let error = (f64::from(found.x / RADIANCE.x) - expected).abs() / expected;
+            assert!(error < 0.1, "{}: {} for {expected}", method.info().id, found.x / RADIANCE.x);
+        }
+    }
+}
+
 #[test]
 fn what_stands_before_a_lamp_shades_it_and_the_inside_is_dark() {
     let position = Vec3::new(0.2, -0.3, 0.0);

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use crate::bake::Bake;
 use crate::clustered::{self, Clustered};
 use crate::cut::{Cut, Rule, Visits};
-use crate::lamps::{Lamp, is_lamp, lamps};
+use crate::lamps::{Lamp, Lobes, is_lamp, lamps};
 use crate::shading::Shading;
 use crate::{Blockers, Circles, Gather, Tally, params};
 
@@ -90,6 +90,8 @@ pub struct DirectLight<'s, A> {
     proxies: Vec<Option<Proxy>>,
     spheres: PosedSpheres,
     lamps: Vec<Lamp>,
+    /// None if lamps light by shares, or there is none.
+    lobes: Option<Lobes>,
     gather: Gather,
     /// The blockers that never move, if they are baked; `proxies` and `spheres` are of the others then.
     bake: Option<Bake>,
@@ -150,6 +152,9 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             true => bands(order),
             false => vec![1.0; order],
         };
+        let lobes = local_lights && job.params.choice(params::LAMPS.name) == "lobe";
+        let lobes = lobes && (0..job.scene.objects.len()).any(|object| is_lamp(job.scene, object));
+        let lobes = lobes.then(|| timed(meter, "fit lobes", |_| Lobes::new(order, &light_window)));
         let bake = params::bakes(job.params, A::PARAMS).then(|| {
             let mut still = proxies.clone();
             for ((object, moving), still) in job.scene.objects.iter().zip(&mut proxies).zip(&mut still) {
@@ -168,6 +173,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             proxies,
             spheres: PosedSpheres::default(),
             lamps: Vec::new(),
+            lobes,
             gather: params::gather(job.params),
             bake,
             cuts,
@@ -247,6 +253,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             guard: self.params.flag(params::GUARD.name),
             light_window: &self.light_window,
             lamps: &self.lamps,
+            lobes: self.lobes.as_ref(),
             visibility_window: self.params.flag(params::WINDOW_VISIBILITY.name).then(|| {
                 let mut window = vec![1.0; coefficients(self.order)];
                 apply_bands(&bands(self.order), &mut window);
@@ -275,6 +282,7 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
                 size_of_val(self.spheres.spheres.as_slice()) + size_of_val(self.spheres.object.as_slice()),
             )
             .host("light (shared)", self.light.bytes())
+            .host("lobes of lamps", self.lobes.as_ref().map_or(0, Lobes::bytes))
             .host("result", size_of_val(self.result.as_slice()));
         let footprint = match &self.bake {
             Some(bake) => footprint.host("baked blockers", bake.bytes()),

@@ -113,6 +113,14 @@ pub const LOCAL_LIGHTS: ParamSpec = ParamSpec {
     help: "spheres that emit give light and block none; blockers beyond such a lamp shade it too",
 };
 
+/// How lamps light.
+pub const LAMPS: ParamSpec = ParamSpec {
+    name: "lamps",
+    kind: Kind::Choice(&["share", "lobe"]),
+    phase: Phase::Prepare,
+    help: "a lamp gives its exact irradiance times the visible share of its circle, or what a lobe fitted to H(N)*L gives, as in the paper",
+};
+
 /// The SH order in which blockers are accumulated.
 pub fn accumulated_order(params: &Params) -> usize {
     params.int(ORDER.name) + params.int(EXTRA_BANDS.name)
@@ -162,6 +170,7 @@ macro_rules! blocker_params {
             $crate::params::WINDOW_LIGHT,
             $crate::params::WINDOW_VISIBILITY,
             $crate::params::LOCAL_LIGHTS,
+            $crate::params::LAMPS,
         ]
     };
 }

@@ -22,6 +22,7 @@ mod march;
 mod pyramid;
 mod ray;
 mod runs;
+mod spots;
 pub mod study;
 mod sweep;
 

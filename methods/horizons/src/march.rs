@@ -8,7 +8,7 @@ use halflight_sh_kernels::Simd;
 use crate::level::Level;
 use crate::pyramid::Scale;
 use crate::ray::{Border, Rays, Step, steps};
-use crate::runs::runs;
+use crate::runs::groups;
 use crate::{Azimuth, Horizons, Points, Work};
 
 /// The paper's number of samples.
@@ -82,11 +82,12 @@ impl Horizons for March {
         assert_eq!(out.len(), at.len() * azimuths.len(), "an entry for every point and azimuth");
         let level = self.level();
         let mut rays = Rays::<2>::new(std::slice::from_ref(level), self.border, self.simd);
-        for run in runs(at, level.size) {
-            rays.stand(run, 0);
+        for group in groups(at, level.size) {
+            let (first, count) = (group.first, group.count);
+            rays.stand(group, 0);
             for (index, (_, steps)) in self.azimuths[azimuths.clone()].iter().enumerate() {
                 let elevations = rays.look(steps, Scale::Linear);
-                out[index * at.len() + run.first..][..run.count].copy_from_slice(elevations);
+                out[index * at.len() + first..][..count].copy_from_slice(elevations);
             }
         }
     }
@@ -97,9 +98,10 @@ impl Horizons for March {
         let level = self.level();
         let (_, steps) = &self.azimuths[azimuth];
         let mut rays = Rays::<2>::new(std::slice::from_ref(level), self.border, self.simd);
-        for run in runs(at, level.size) {
-            rays.stand(run, 0);
-            let out = &mut out[run.first..][..run.count];
+        for group in groups(at, level.size) {
+            let (first, count) = (group.first, group.count);
+            rays.stand(group, 0);
+            let out = &mut out[first..][..count];
             out.fill(false);
             // The steepest that anything at a distance could be seen under.
             let rise = self.top - rays.lowest(0);

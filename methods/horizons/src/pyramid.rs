@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::level::Level;
 use crate::ray::{Border, Rays, Step, sample, steps};
-use crate::runs::runs;
+use crate::runs::groups;
 use crate::{Azimuth, Horizons, Points, Purpose, Work};
 
 /// Between scales: how angles at the pyramid's distances become a function of distance.
@@ -41,12 +41,12 @@ pub struct Reconstruction {
 /// Where the reconstruction in the plane happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
-    /// Levels stay decimated and are reconstructed where they are looked at: about 3.4 times the field's size at 4 levels an
-    /// octave.
-    Decimated,
     /// Every level is brought back once to at least twice its own resolution, by a power of two of the field's, and looked at
-    /// bilinearly ("multiple image arrays", §6): about 14 times.
+    /// bilinearly ("multiple image arrays", §6): about 14 times the field's size at 4 levels an
+    /// octave.
     Octaves,
+    /// Levels stay decimated and are reconstructed where they are looked at: about 3.4 times.
+    Decimated,
     /// Every level is brought back to the field's resolution, as the paper's GPU does: once a level.
     Full,
 }
@@ -160,11 +160,12 @@ impl Pyramid {
         };
         let mut rays = Rays::<T>::new(levels, self.border, self.simd);
         let coarsest = self.looked_at(0);
-        for run in runs(at, finest.size) {
-            rays.stand(run, coarsest);
+        for group in groups(at, finest.size) {
+            let (first, count) = (group.first, group.count);
+            rays.stand(group, coarsest);
             for (index, (azimuth, steps)) in self.azimuths[azimuths.clone()].iter().enumerate() {
                 let elevations = rays.look(steps, scale(*azimuth));
-                out[index * at.len() + run.first..][..run.count].copy_from_slice(elevations);
+                out[index * at.len() + first..][..count].copy_from_slice(elevations);
             }
         }
     }

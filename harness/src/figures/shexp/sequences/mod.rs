@@ -1,5 +1,6 @@
 //! Characters in motion: error a frame, popping, and the time that a frame takes.
 
+mod excess;
 mod rates;
 mod track;
 
@@ -26,6 +27,8 @@ pub(super) const FIGURE: Figure = Figure {
 /// Scene, frames a second and the first frame: the whole walk at the scene's rate, half a second and more at the capture's own.
 const SEQUENCES: [(&str, f32, usize); 3] = [("walker", 24.0, 0), ("walker", 120.0, 228), ("boxers", 100.0, 0)];
 const FRAMES: usize = 60;
+/// Spheres a body.
+const SPHERES: usize = 64;
 /// Receivers a side of the ground, and on the skin of each character.
 const GROUND: usize = 20;
 const SKIN: usize = 300;
@@ -48,6 +51,7 @@ fn make(bench: &Bench, sheet: &mut Sheet) -> Result<(), Error> {
         2 * changes::WINDOW
     ));
     SEQUENCES.iter().try_for_each(|(name, rate, first)| sequence(bench, sheet, name, *rate, *first))?;
+    excess::excess(bench, sheet)?;
     rates::rates(bench, sheet)
 }
 
