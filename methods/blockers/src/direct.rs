@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use crate::bake::Bake;
 use crate::clustered::{self, Clustered};
 use crate::cut::{Cut, Rule, Visits};
-use crate::lamps::{Lamp, is_lamp, lamps};
+use crate::lamps::{Lamp, Lobes, is_lamp, lamps};
 use crate::shading::Shading;
 use crate::{Blockers, Circles, Gather, Tally, params};
 
@@ -90,6 +90,8 @@ pub struct DirectLight<'s, A> {
     proxies: Vec<Option<Proxy>>,
     spheres: PosedSpheres,
     lamps: Vec<Lamp>,
+    /// None if lamps light by shares, or there is none.
+    lobes: Option<Lobes>,
     gather: Gather,
     /// The blockers that never move, if they are baked; `proxies` and `spheres` are of the others then.
     bake: Option<Bake>,
@@ -150,6 +152,9 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             true => bands(order),
             false => vec![1.0; order],
         };
+        let lobes = local_lights && job.params.choice(params::LAMPS.name) == "lobe";
+        let lobes = lobes && (0..job.scene.objects.len()).any(|object| is_lamp(job.scene, object));
+        let lobes = lobes.then(|| timed(meter, "fit lobes", |_| Lobes::new(order, &light_window)));
         let bake = params::bakes(job.params, A::PARAMS).then(|| {
             let mut still = proxies.clone();
             for ((object, moving), still) in job.scene.objects.iter().zip(&mut proxies).zip(&mut still) {
@@ -168,6 +173,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             proxies,
             spheres: PosedSpheres::default(),
             lamps: Vec::new(),
+            lobes,
             gather: params::gather(job.params),
             bake,
             cuts,
@@ -222,19 +228,17 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
         sums
     }
 
-    /// Accumulates blockers that never move at receivers that are new where they are.
+    /// Accumulates blockers that never move at receivers that lack them.
     fn bake(&mut self, receivers: &Receivers, meter: &mut dyn Meter) {
-        let Some(mut bake) = self.bake.take() else { return };
-        let missing = bake.missing(receivers, coefficients(params::accumulated_order(&self.params)));
+        let Some(mut bake) = self.bake.take_if(|bake| !bake.missing().is_empty()) else { return };
         let shading = self.shading();
-        let baked: Vec<_> =
-            missing.par_chunks(CHUNK).map(|numbers| shading.accumulated(receivers, numbers, &bake.spheres)).collect();
-        let mut circles = 0;
-        for (receiver, (count, sums)) in missing.iter().zip(baked.iter().flatten()) {
-            circles += u64::from(*count);
-            bake.store(receivers, *receiver, *count, sums);
-        }
-        counted(meter, &[("receivers baked", missing.len() as u64), ("blockers baked", circles)]);
+        let baked: Vec<_> = timed(meter, "bake blockers", |_| {
+            let chunks = bake.missing().par_chunks(CHUNK);
+            chunks.flat_map_iter(|numbers| shading.accumulated(receivers, numbers, &bake.spheres)).collect()
+        });
+        let circles = baked.iter().map(|(count, _)| u64::from(*count)).sum();
+        counted(meter, &[("receivers baked", baked.len() as u64), ("blockers baked", circles)]);
+        bake.store(coefficients(params::accumulated_order(&self.params)), &baked);
         self.bake = Some(bake);
     }
 
@@ -249,6 +253,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             guard: self.params.flag(params::GUARD.name),
             light_window: &self.light_window,
             lamps: &self.lamps,
+            lobes: self.lobes.as_ref(),
             visibility_window: self.params.flag(params::WINDOW_VISIBILITY.name).then(|| {
                 let mut window = vec![1.0; coefficients(self.order)];
                 apply_bands(&bands(self.order), &mut window);
@@ -277,6 +282,7 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
                 size_of_val(self.spheres.spheres.as_slice()) + size_of_val(self.spheres.object.as_slice()),
             )
             .host("light (shared)", self.light.bytes())
+            .host("lobes of lamps", self.lobes.as_ref().map_or(0, Lobes::bytes))
             .host("result", size_of_val(self.result.as_slice()));
         let footprint = match &self.bake {
             Some(bake) => footprint.host("baked blockers", bake.bytes()),
@@ -307,15 +313,16 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
         if let Some((_, clustered)) = &mut self.cuts {
             clustered.update(&self.spheres, &frame.receivers, &self.params, meter);
         }
-        if self.bake.is_some() {
-            timed(meter, "bake blockers", |meter| self.bake(&frame.receivers, meter));
-        }
+        self.bake.iter_mut().for_each(|bake| bake.move_to(&frame.receivers));
+        self.bake(&frame.receivers, meter);
         Ok(())
     }
 
     fn evaluate(&mut self, frame: &Frame, quantity: Quantity, meter: &mut dyn Meter) -> Result<()> {
         let receivers = frame.receivers.as_ref();
         self.quantity = quantity;
+        // Parameters may have changed since the update.
+        self.bake(receivers, meter);
         self.result.clear();
         self.result.resize(receivers.len() * quantity.channels(), 0.0);
         if meter.progress("receivers", 0, receivers.len() as u64) == Flow::Cancel {

@@ -25,22 +25,6 @@ pub(crate) fn keys(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Its sky alone.
-pub(crate) fn skies(mut scene: Scene) -> Scene {
-    scene.lights.retain(|light| !matches!(light.rest, Light::Key(_)));
-    scene
-}
-
-/// The field of a frame.
-pub(crate) fn field(frame: &Frame) -> HeightField {
-    let shapes = frame.objects.iter().map(|posed| posed.in_place());
-    let fields = shapes.filter_map(|shape| match &*shape {
-        Shape::Heights(field) => Some(field.clone()),
-        _ => None,
-    });
-    fields.into_iter().next().expect("a height field")
-}
-
 /// The first frame, and one in which all heights differ.
 fn swaying(scene: &Scene) -> [Frame; 2] {
     let first = scene.frame(0);

@@ -29,7 +29,9 @@ fn a_field_turned_by_a_quarter_is_shaded_as_the_one_that_was_not() {
     // Symmetric samples, since the cells' diagonals do not turn.
     let flat = "resolution = [33, 33]\ncell = [1, 1]\nramp = { slope = 0 }";
     let lights = |x: f32, y: f32| {
-        format!("{WHITE}[[lights]]\nkey = {{ direction = [{x}, {y}, 0.5], angular_radius = 4, radiance = [200, 200, 200] }}")
+        format!(
+            "{WHITE}[[lights]]\nkey = {{ direction = [{x}, {y}, 0.5], angular_radius = 4, radiance = [200, 200, 200] }}"
+        )
     };
     let bump = |x: f32, y: f32| 5.0 * (-0.02 * (x * x + y * y)).exp();
     let height = |x: f32, y: f32| bump(x - 4.0, y + 3.0) + 0.7 * bump(x + 6.0, y - 8.0);
@@ -129,8 +131,9 @@ fn instruction_sets_agree() {
 fn threads_do_not_change_a_bit() {
     let fractal =
         "resolution = [70, 50]\ncell = [1, 1]\nfractal = { seed = 3, amplitude = 6, wavelength = 20, octaves = 3 }";
-    let lights =
-        format!("{WHITE}[[lights]]\nkey = {{ direction = [1, 0.2, 0.5], angular_radius = 4, radiance = [200, 200, 200] }}");
+    let lights = format!(
+        "{WHITE}[[lights]]\nkey = {{ direction = [1, 0.2, 0.5], angular_radius = 4, radiance = [200, 200, 200] }}"
+    );
     let scene = scene(fractal, &lights);
     for method in ALL {
         let by = |threads| {
