@@ -78,6 +78,15 @@ impl Level {
         &mut self.heights[rows.start * stride..rows.end * stride]
     }
 
+    /// The rows from the first to the last that differ from a field's of as many.
+    pub(crate) fn changed(&self, field: &HeightField) -> Option<Range<usize>> {
+        let columns = self.size[0];
+        let differs = |row: &usize| self.row(*row) != &field.heights()[row * columns..][..columns];
+        let mut rows = (0..self.size[1]).filter(differs);
+        let first = rows.next()?;
+        Some(first..rows.next_back().unwrap_or(first) + 1)
+    }
+
     /// Takes rows of a field's heights.
     pub(crate) fn copy(&mut self, field: &HeightField, rows: &Range<usize>) {
         let (stride, columns) = (self.stride(), self.size[0]);

@@ -99,8 +99,8 @@ fn part<V: Lanes<Scalar = f32>>(from: &[f32], at: usize, lane: usize) -> V {
 #[inline(always)]
 fn pick<V: Lanes<Scalar = f32>, const T: usize>(window: &[f32; 16], sample: V, along: [V; T]) -> V {
     let mut sum = sample.select_from(window).mul(along[0]);
-    for tap in 1..T {
-        sum = sample.add(V::constant(tap as f64)).select_from(window).mul_add(along[tap], sum);
+    for (tap, share) in along.into_iter().enumerate().skip(1) {
+        sum = sample.add(V::constant(tap as f64)).select_from(window).mul_add(share, sum);
     }
     sum
 }
@@ -191,11 +191,7 @@ impl<'l, const T: usize> Line<'l, T> {
     /// The height beyond an end of the rows.
     #[inline(always)]
     fn end(&self, column: usize) -> f32 {
-        let mut sum = 0.0;
-        for tap in 0..T {
-            sum += self.heights[self.rows[tap] + column] * self.shares[tap];
-        }
-        sum
+        self.rows.iter().zip(self.shares).map(|(row, share)| self.heights[row + column] * share).sum()
     }
 
     /// Gives away the height beyond an end of the rows.
@@ -218,12 +214,7 @@ impl<'l, const T: usize> Line<'l, T> {
     /// The rows from a register's samples on, for so many samples and a register.
     #[inline(always)]
     fn from(&self, start: isize, samples: usize) -> [&'l [f32]; T] {
-        let mut rows = [self.heights; T];
-        for tap in 0..T {
-            let first = self.rows[tap].wrapping_add_signed(self.first + start);
-            rows[tap] = &self.heights[first..first + samples + 16];
-        }
-        rows
+        self.rows.map(|row| &self.heights[row.wrapping_add_signed(self.first + start)..][..samples + 16])
     }
 
     /// Samples lie as far apart as receivers: each one's follow those of the one before.
@@ -238,21 +229,18 @@ impl<'l, const T: usize> Line<'l, T> {
         }
         let along = shares::<V, T>(V::splat(self.fraction));
         let mut weights = [along; T];
-        for tap in 0..T {
-            for share in &mut weights[tap] {
-                *share = share.mul(V::splat(self.shares[tap]));
+        for (weights, across) in weights.iter_mut().zip(self.shares) {
+            for weight in weights {
+                *weight = weight.mul(V::splat(across));
             }
         }
         let start = within.start * V::WIDTH;
         let rows = self.from(start as isize, within.len() * V::WIDTH + T);
         for at in (0..within.len() * V::WIDTH).step_by(V::WIDTH) {
-            let mut sum = load::<V>(rows[0], at).mul(weights[0][0]);
-            for tap in 1..T {
-                sum = load::<V>(rows[0], at + tap).mul_add(weights[0][tap], sum);
-            }
-            for row in 1..T {
-                for tap in 0..T {
-                    sum = load::<V>(rows[row], at + tap).mul_add(weights[row][tap], sum);
+            let mut sum = V::constant(0.0);
+            for (row, weights) in rows.iter().zip(&weights) {
+                for (tap, weight) in weights.iter().enumerate() {
+                    sum = load::<V>(row, at + tap).mul_add(*weight, sum);
                 }
             }
             sink.put(sum, start + at);
@@ -275,9 +263,9 @@ impl<'l, const T: usize> Line<'l, T> {
             let mut window = [0.0; 16];
             for lane in (0..16).step_by(V::WIDTH) {
                 let at = number * advance;
-                let mut blend = part::<V>(rows[0], at, lane).mul(V::splat(self.shares[0]));
-                for tap in 1..T {
-                    blend = part::<V>(rows[tap], at, lane).mul_add(V::splat(self.shares[tap]), blend);
+                let mut blend = V::constant(0.0);
+                for (row, share) in rows.iter().zip(self.shares) {
+                    blend = part::<V>(row, at, lane).mul_add(V::splat(share), blend);
                 }
                 blend.store(&mut window, lane / V::WIDTH);
             }

@@ -9,7 +9,7 @@ use crate::level::Level;
 use crate::pyramid::Scale;
 use crate::ray::{Border, Rays, Step, steps};
 use crate::runs::groups;
-use crate::{Azimuth, Horizons, Points, Work};
+use crate::{Azimuth, Horizons, Made, Points, Work};
 
 /// The paper's number of samples.
 const SAMPLES: usize = 145;
@@ -64,18 +64,29 @@ impl March {
 }
 
 impl Horizons for March {
-    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) {
+    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) -> Made {
         let size = [field.columns(), field.rows()];
-        let old = self.heights.take().filter(|level| level.size == size);
+        let cell = field.cell().to_array();
+        let old = self.heights.take().filter(|level| level.size == size && self.cell == cell);
+        if old.is_none() {
+            (self.cell, self.top, self.azimuths) = (cell, 0.0, Vec::new());
+        }
         let mut level = old.unwrap_or_else(|| Level::new(size, size));
-        level.copy(field, &(0..size[1]));
+        let mut made = Made::default();
+        if let Some(rows) = level.changed(field) {
+            level.copy(field, &rows);
+            self.top = field.heights().iter().copied().fold(f32::MIN, f32::max);
+            made.levels = 1;
+        }
         self.heights = Some(level);
-        self.top = field.heights().iter().copied().fold(f32::MIN, f32::max);
-        self.cell = field.cell().to_array();
+        if self.azimuths.iter().map(|(azimuth, _)| azimuth).eq(azimuths) {
+            return made;
+        }
         let longest = (0..2).map(|axis| size[axis] as f64 * f64::from(self.cell[axis])).fold(0.0, f64::max);
         let distances = || (1..=self.samples).map(|sample| (0, longest * sample as f64 / self.samples as f64));
         let aimed = azimuths.iter().map(|azimuth| (*azimuth, steps(azimuth.angle, self.cell, distances())));
         self.azimuths = aimed.collect();
+        Made { azimuths: azimuths.len(), ..made }
     }
 
     fn elevations(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]) {

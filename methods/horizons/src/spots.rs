@@ -60,22 +60,21 @@ fn gathered<V: Lanes<Scalar = f32>, const T: usize>(level: &Level, x: (V, V), y:
         let before = T as i32 / 2 - 1;
         let column = (columns[lane] as i32 - before + PAD as i32) as usize;
         let row = rows[lane] as i32 - before;
-        for across in 0..T {
+        for (across, samples) in samples.iter_mut().enumerate() {
             let start = (row + across as i32).clamp(0, last) as usize * stride + column;
-            let found = &level.heights[start..start + T];
-            for along in 0..T {
-                samples[across][along][lane] = found[along];
+            for (sample, height) in samples.iter_mut().zip(&level.heights[start..start + T]) {
+                sample[lane] = *height;
             }
         }
     }
     let (along, across) = (shares::<V, T>(x.1), shares::<V, T>(y.1));
     let mut sum = V::constant(0.0);
-    for row in 0..T {
+    for (row, across) in samples.iter().zip(across) {
         let mut blend = V::constant(0.0);
-        for column in 0..T {
-            blend = V::load(&samples[row][column], 0).mul_add(along[column], blend);
+        for (sample, along) in row.iter().zip(along) {
+            blend = V::load(sample, 0).mul_add(along, blend);
         }
-        sum = blend.mul_add(across[row], sum);
+        sum = blend.mul_add(across, sum);
     }
     sum
 }

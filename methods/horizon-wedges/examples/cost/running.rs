@@ -7,38 +7,22 @@ use halflight_horizon_wedges::Variant;
 use halflight_scenes::{Frame, HeightField, Light, Revision, Scene, Shape};
 
 /// A method with parameters on a scene.
-pub struct Case {
-    pub name: String,
-    pub scene: Scene,
-    pub method: Variant,
-    pub params: Vec<(&'static str, String)>,
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) scene: Scene,
+    pub(crate) method: Variant,
+    pub(crate) params: Vec<(&'static str, String)>,
 }
 
 /// A shipped scene.
-pub fn scene(name: &str) -> Scene {
+pub(crate) fn scene(name: &str) -> Scene {
     halflight_scenes::find(name).expect("a shipped scene")
 }
 
 /// Its key lights alone.
-pub fn keys(mut scene: Scene) -> Scene {
+pub(crate) fn keys(mut scene: Scene) -> Scene {
     scene.lights.retain(|light| matches!(light.rest, Light::Key(_)));
     scene
-}
-
-/// Its sky alone.
-pub fn skies(mut scene: Scene) -> Scene {
-    scene.lights.retain(|light| !matches!(light.rest, Light::Key(_)));
-    scene
-}
-
-/// The field of a frame.
-pub fn field(frame: &Frame) -> HeightField {
-    let shapes = frame.objects.iter().map(|posed| posed.in_place());
-    let fields = shapes.filter_map(|shape| match &*shape {
-        Shape::Heights(field) => Some(field.clone()),
-        _ => None,
-    });
-    fields.into_iter().next().expect("a height field")
 }
 
 /// The first frame, and one in which all heights differ.
@@ -59,29 +43,29 @@ fn swaying(scene: &Scene) -> [Frame; 2] {
 
 /// Milliseconds of a frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Times {
-    pub update: f64,
-    pub evaluate: f64,
+pub(crate) struct Times {
+    pub(crate) update: f64,
+    pub(crate) evaluate: f64,
     /// Of all threads' processors.
-    pub processors: f64,
+    pub(crate) processors: f64,
 }
 
 impl Times {
-    pub fn whole(&self) -> f64 {
+    pub(crate) fn whole(&self) -> f64 {
         self.update + self.evaluate
     }
 }
 
 /// A case made ready.
-pub struct Running<'s> {
-    pub case: &'s Case,
-    pub frames: [Frame; 2],
+pub(crate) struct Running<'s> {
+    pub(crate) case: &'s Case,
+    pub(crate) frames: [Frame; 2],
     prepared: Box<dyn Prepared + 's>,
-    pub times: Vec<Times>,
+    pub(crate) times: Vec<Times>,
 }
 
 impl<'s> Running<'s> {
-    pub fn new(case: &'s Case, cache: &Cache) -> Self {
+    pub(crate) fn new(case: &'s Case, cache: &Cache) -> Self {
         let settings = case.params.iter().map(|(name, value)| (*name, value.as_str()));
         let params = Params::resolve(case.method.info().params, settings).expect("settings");
         let job = Job::new(&case.scene, &params, 1, Backend::Cpu, cache);
@@ -93,7 +77,7 @@ impl<'s> Running<'s> {
     }
 
     /// Both frames once.
-    pub fn round(&mut self) {
+    pub(crate) fn round(&mut self) {
         for frame in &self.frames {
             let (spent, start) = (processor_time(), Instant::now());
             self.prepared.update(frame, &mut Silent).expect("a frame of the scene");
@@ -105,12 +89,12 @@ impl<'s> Running<'s> {
     }
 
     /// The number of receivers that are shaded.
-    pub fn receivers(&self) -> usize {
+    pub(crate) fn receivers(&self) -> usize {
         self.frames[0].receivers.valid.iter().filter(|valid| **valid).count()
     }
 
     /// What a share of the frames takes at most.
-    pub fn quantile(&self, share: f64, value: impl Fn(&Times) -> f64) -> f64 {
+    pub(crate) fn quantile(&self, share: f64, value: impl Fn(&Times) -> f64) -> f64 {
         let mut values: Vec<f64> = self.times.iter().map(value).collect();
         values.sort_by(f64::total_cmp);
         values[((values.len() - 1) as f64 * share).round() as usize]
@@ -118,7 +102,7 @@ impl<'s> Running<'s> {
 }
 
 /// Milliseconds that all threads have run, 0 where the system does not tell.
-pub fn processor_time() -> f64 {
+pub(crate) fn processor_time() -> f64 {
     let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
     let told = threads.filter_map(|thread| std::fs::read_to_string(thread.path().join("schedstat")).ok());
     told.filter_map(|text| text.split(' ').next()?.parse::<f64>().ok()).sum::<f64>() * 1e-6
