@@ -1,11 +1,11 @@
 //! Key lights: the swath that covers one, and the light that it then needs.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use glam::DVec3;
 use halflight_light::project;
 use halflight_scenes::{KeyLight, Light, Rgb};
-use halflight_sh::{Simd, coefficients, gamma, irradiance_weights};
+use halflight_sh::{Simd, apply_bands, coefficients, gamma, irradiance_weights};
 
 use crate::sum::{Places, sum};
 use crate::swath::{Swath, Wedge};
@@ -13,6 +13,9 @@ use crate::table::Wedges;
 
 /// Most halvings of the full circle that a swath is narrowed by: 2.8°.
 const NARROWEST: u32 = 7;
+
+/// The steepest of the slopes that a light is fitted to, radians.
+const STEEPEST: f64 = FRAC_PI_4;
 
 /// Rings of the sums over a light's disc, each of as many points.
 const RINGS: usize = 64;
@@ -25,15 +28,18 @@ pub(crate) enum Level {
     /// The receiver that gets most of what passes an open swath gets what a receiver that faces the light does (Snyder and Nowrouzezahrai
     /// 2008, caption of Fig. 6).
     Facing,
+    /// Slopes to all sides get the least squared error through an open swath.
+    Slopes,
     /// What the spherical harmonics leave.
     Plain,
 }
 
 impl Level {
-    pub(crate) const NAMES: &'static [&'static str] = &["ground", "facing", "plain"];
+    pub(crate) const NAMES: &'static [&'static str] = &["ground", "slopes", "facing", "plain"];
 
     pub(crate) fn named(name: &str) -> Level {
         match name {
+            "slopes" => Level::Slopes,
             "facing" => Level::Facing,
             "plain" => Level::Plain,
             _ => Level::Ground,
@@ -84,19 +90,54 @@ pub(crate) fn irradiance(key: &KeyLight, normal: DVec3) -> f64 {
     rings.sum::<f64>() / PI
 }
 
-/// The coefficients of a light's radiance, each colour, scaled for what passes a swath.
-pub(crate) fn light(key: &KeyLight, level: Level, tables: &Wedges, wedges: &[Wedge]) -> [Vec<f32>; 3] {
-    let order = tables.order;
-    let [shape, ..] = project(&Light::Key(KeyLight { radiance: Rgb::ONE, ..*key }), order);
-    let facing = key.direction.as_dvec3();
+/// A swath with nothing in it, and how bands of light and of visibility are attenuated.
+pub(crate) struct Opening<'a> {
+    pub(crate) tables: &'a Wedges,
+    pub(crate) wedges: &'a [Wedge],
+    pub(crate) light_window: Option<&'a [f32]>,
+    pub(crate) visibility_window: Option<&'a [f32]>,
+}
+
+/// The coefficients of a light's radiance, each colour, attenuated, scaled for what passes a swath.
+pub(crate) fn light(key: &KeyLight, level: Level, opening: &Opening<'_>) -> [Vec<f32>; 3] {
+    let order = opening.tables.order;
+    let [mut shape, ..] = project(&Light::Key(KeyLight { radiance: Rgb::ONE, ..*key }), order);
+    attenuate(opening.light_window, &mut shape);
+    let (facing, through) = (key.direction.as_dvec3(), opening.passed(&shape));
     let scale = match level {
         Level::Plain => 1.0,
-        Level::Facing => ratio(irradiance(key, facing), brightest(order, &through(&shape, tables, wedges), facing)),
-        Level::Ground => ratio(irradiance(key, DVec3::Z), at(order, &through(&shape, tables, wedges), DVec3::Z)),
+        Level::Facing => ratio(irradiance(key, facing), brightest(order, &through, facing)),
+        Level::Ground => ratio(irradiance(key, DVec3::Z), at(order, &through, DVec3::Z)),
+        Level::Slopes => slopes(order, &through, facing) * irradiance(key, facing),
     };
     key.radiance
         .to_array()
         .map(|radiance| shape.iter().map(|value| (f64::from(radiance) * scale * value) as f32).collect())
+}
+
+fn attenuate(window: Option<&[f32]>, vector: &mut [f64]) {
+    if let Some(window) = window {
+        let window: Vec<f64> = window.iter().map(|factor| f64::from(*factor)).collect();
+        apply_bands(&window, vector);
+    }
+}
+
+/// The scale by which slopes of up to [`STEEPEST`] to all sides get most nearly (least squares) what `max(0, n·d)` says, the light being in
+/// direction `d`.
+fn slopes(order: usize, light: &[f64], d: DVec3) -> f64 {
+    let (mut both, mut square) = (0.0, 0.0);
+    for tilt in 0..=8 {
+        let (sin, cos) = (STEEPEST * f64::from(tilt) / 8.0).sin_cos();
+        for turn in 0..16 {
+            let (y, x) = (TAU * f64::from(turn) / 16.0).sin_cos();
+            let normal = DVec3::new(sin * x, sin * y, cos);
+            let (found, wanted) = (at(order, light, normal), normal.dot(d).max(0.0));
+            // Solid angles grow by the sine.
+            both += sin.max(0.01) * found * wanted;
+            square += sin.max(0.01) * found * found;
+        }
+    }
+    ratio(both, square)
 }
 
 /// None of the light where a swath lets none through.
@@ -104,17 +145,21 @@ fn ratio(wanted: f64, found: f64) -> f64 {
     if found > 1e-9 * wanted { wanted / found } else { 0.0 }
 }
 
-/// The light that passes an open swath: their product.
-fn through(light: &[f64], tables: &Wedges, wedges: &[Wedge]) -> Vec<f64> {
-    let azimuths = wedges.iter().map(|wedge| wedge.start + 1).max().unwrap_or(0);
-    let mut open = vec![0.0; coefficients(tables.order)];
-    let mut places = Places::default();
-    places.set(Simd::Portable, 1, &vec![0.0; azimuths], wedges);
-    sum(Simd::Portable, tables, wedges, &places, &mut open);
-    let open: Vec<f64> = open.into_iter().map(f64::from).collect();
-    let mut product = vec![0.0; open.len()];
-    gamma(tables.order).product(light, &open, &mut product);
-    product
+impl Opening<'_> {
+    /// The light that passes: the product with visibility.
+    fn passed(&self, light: &[f64]) -> Vec<f64> {
+        let Opening { tables, wedges, .. } = *self;
+        let azimuths = wedges.iter().map(|wedge| wedge.start + 1).max().unwrap_or(0);
+        let mut open = vec![0.0; coefficients(tables.order)];
+        let mut places = Places::default();
+        places.set(Simd::Portable, 1, &vec![0.0; azimuths], wedges);
+        sum(Simd::Portable, tables, wedges, &places, &mut open);
+        let mut open: Vec<f64> = open.into_iter().map(f64::from).collect();
+        attenuate(self.visibility_window, &mut open);
+        let mut product = vec![0.0; open.len()];
+        gamma(tables.order).product(light, &open, &mut product);
+        product
+    }
 }
 
 /// Irradiance over π at a receiver with a normal.

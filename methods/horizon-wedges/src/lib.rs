@@ -32,14 +32,16 @@ mod swath;
 mod table;
 mod wedge;
 
-use halflight_blockers::params::{MIN_ANGLE, SELF_SHADOW, SPHERES, WINDOW_LIGHT, WINDOW_VISIBILITY};
+use halflight_blockers::params::{MIN_ANGLE, SELF_SHADOW, SPHERES, WINDOW_LIGHT};
 use halflight_contract::{
     Backend, Coupling, Info, Job, Meter, Method, ParamSpec, Params, Prepared, Request, Result, Support,
 };
 use halflight_horizons::{Horizons, Sweep};
 use halflight_scenes::SceneFacts;
 
-use params::{AZIMUTHS, BORDER, KEY_AZIMUTHS, KEY_LEVEL, LEVELS, OFFSET, ORDER, PLANE, SCALE, STORAGE, SWATH};
+use params::{
+    AZIMUTHS, BORDER, KEY_AZIMUTHS, KEY_LEVEL, LEVELS, OFFSET, ORDER, PLANE, SCALE, STORAGE, SWATH, WINDOW_VISIBILITY,
+};
 use prepared::Terrain;
 
 /// A member of the family.
@@ -74,7 +76,7 @@ macro_rules! with {
     };
 }
 
-/// Along a row of vertices the pyramid steps from one to the next, elsewhere it starts anew at each: on 1024 vertices a side that differs by
+/// Along a row of vertices pyramid and march step from one to the next, elsewhere they start anew at each: on 1024 vertices a side that differs by
 /// rounding of coordinates up to 1e-4 of a cell.
 const STREAMED: Coupling = Coupling::Clustered(1e-3);
 
@@ -113,7 +115,6 @@ pub const MARCH: Variant = Variant {
         about: "as partial, with horizons by 145 samples along each azimuth",
         paper: "Snyder and Nowrouzezahrai 2008, §7, Fig. 10a",
         params: with!(KEY_AZIMUTHS, SWATH, KEY_LEVEL, BORDER),
-        coupling: Coupling::Independent,
         ..*COMPLETE.info
     },
     horizons: |params| Box::new(params::march(params)),
@@ -128,6 +129,7 @@ pub const SWEEP: Variant = Variant {
         about: "as partial, with horizons by convex hulls swept along lines",
         paper: "Timonen and Westerholm 2010; Snyder and Nowrouzezahrai 2008, §5",
         params: with!(KEY_AZIMUTHS, SWATH, KEY_LEVEL),
+        coupling: Coupling::Independent,
         ..*MARCH.info
     },
     horizons: |_| Box::new(Sweep::new()),
@@ -141,7 +143,6 @@ pub const HARD: Variant = Variant {
         about: "hard shadows of key lights' centres by marching, wedges over the complete swath for the rest",
         paper: "Max 1988; Snyder and Nowrouzezahrai 2008, eq. 1",
         params: with!(BORDER),
-        coupling: Coupling::Independent,
         ..*COMPLETE.info
     },
     keys: Keys::Hard,

@@ -12,8 +12,8 @@ use halflight_light::{EachLightOf, SceneLight};
 use halflight_scenes::{Frame, KeyLight, Light, Revision, Rgb};
 use halflight_sh::{apply_bands, coefficients};
 
-use crate::key::{self, Level};
-use crate::params::{AZIMUTHS, KEY_AZIMUTHS, KEY_LEVEL, ORDER, SWATH};
+use crate::key::{self, Level, Opening};
+use crate::params::{AZIMUTHS, KEY_AZIMUTHS, KEY_LEVEL, ORDER, SWATH, WINDOW_VISIBILITY};
 use crate::swath::{Swath, Wedge};
 use crate::table::{Wedges, WedgesOf};
 use crate::{Keys, Variant};
@@ -120,6 +120,7 @@ impl Planner {
         let mut plan = Plan { lights: revisions(frame).collect(), ..Plan::default() };
         let mut around = [0; 3].map(|_| vec![0.0; coefficients(self.order)]);
         let each = self.each.clone();
+        let visibility_window = visibility_window(params, self.order);
         for (light, sh) in frame.lights().zip(each.iter()) {
             match (light, self.swath(light)) {
                 (Light::Key(key), Some(swath)) => {
@@ -127,8 +128,14 @@ impl Planner {
                     let (tables, made) = self.tables(&swath);
                     plan.tables += u64::from(made);
                     let wedges = swath.wedges(self.order);
-                    let light = key::light(key, level, &tables, &wedges);
-                    plan.view(&swath, Purpose::Key, wedges, tables, self.windowed(light));
+                    let opening = Opening {
+                        tables: &tables,
+                        wedges: &wedges,
+                        light_window: self.window.as_deref(),
+                        visibility_window: visibility_window.as_deref(),
+                    };
+                    let light = key::light(key, level, &opening);
+                    plan.view(&swath, Purpose::Key, wedges, tables, light);
                 }
                 (Light::Key(key), None) if self.keys == Keys::Hard => plan.sun(key),
                 _ => {
@@ -192,7 +199,12 @@ impl Plan {
     }
 }
 
+/// The factors by which bands of visibility are attenuated, if they are.
+pub(crate) fn visibility_window(params: &Params, order: usize) -> Option<Vec<f32>> {
+    params.flag(WINDOW_VISIBILITY.name).then(|| bands(order))
+}
+
 /// The factors of windows.
-pub(crate) fn bands(order: usize) -> Vec<f32> {
+fn bands(order: usize) -> Vec<f32> {
     halflight_sh::window(order, 2.0 * order as f64).iter().map(|alpha| *alpha as f32).collect()
 }

@@ -1,7 +1,6 @@
 //! The phases: tables and lights once, views and horizons a frame, then receivers.
 
 use halflight_blockers::Tally;
-use halflight_blockers::params::WINDOW_VISIBILITY;
 use halflight_contract::{
     Error, Flow, Footprint, Job, Meter, Output, Params, Phase, Prepared, Quantity, Result, counted, timed,
 };
@@ -13,7 +12,7 @@ use rayon::prelude::*;
 use crate::Variant;
 use crate::casters::Casters;
 use crate::params::ORDER;
-use crate::plan::{Plan, Planner, bands};
+use crate::plan::{Plan, Planner, visibility_window};
 use crate::shading::{CHUNK, Ground, Shading};
 
 /// A member of the family made ready for a scene.
@@ -144,7 +143,7 @@ impl Prepared for Terrain<'_> {
         }
         let mut result = std::mem::take(&mut self.result);
         let order = self.params.int(ORDER.name);
-        let window = self.params.flag(WINDOW_VISIBILITY.name).then(|| bands(order));
+        let window = visibility_window(&self.params, order);
         let shading = Shading {
             ground,
             horizons: self.horizons.as_ref(),
