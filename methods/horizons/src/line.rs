@@ -235,7 +235,7 @@ impl<'l, const T: usize> Line<'l, T> {
             }
         }
         let start = within.start * V::WIDTH;
-        let rows = self.from(start as isize, within.len() * V::WIDTH + T);
+        let rows = self.from(start as isize, (within.len() - 1) * V::WIDTH + T - 1);
         for at in (0..within.len() * V::WIDTH).step_by(V::WIDTH) {
             let mut sum = V::constant(0.0);
             for (row, weights) in rows.iter().zip(&weights) {

@@ -259,3 +259,19 @@ fn a_field_of_4096_vertices_a_side_takes_what_is_stated() {
     pyramid.elevations(Points { x: &[0.0, 4095.0], y: &[0.0, 2047.5] }, 0..1, &mut seen);
     assert!(seen.iter().all(|elevation| (0.0..=FRAC_PI_2).contains(elevation)));
 }
+
+/// Registers that begin among the last samples of the last row read as far as it and its padding go.
+#[test]
+fn rows_of_any_width_are_read_to_their_end() {
+    let azimuths: Vec<Azimuth> = (0..16).map(|i| key((i as f32 + 0.5) * TAU / 16.0)).collect();
+    let reconstruction = Reconstruction { scale: Scale::BSpline, plane: Plane::BSpline };
+    for columns in 100..132 {
+        let heights = (0..3 * columns).map(|i| mixed(i, 7)).collect();
+        let field = HeightField::new([columns, 3], Vec2::ZERO, Vec2::ONE, heights);
+        for storage in [Storage::Decimated, Storage::Full] {
+            let mut pyramid = Pyramid::new(Settings { levels_per_octave: 4, offset: 8.0, reconstruction, storage });
+            pyramid.update(&field, &azimuths);
+            assert!(everywhere(&pyramid, [columns, 3], 16).iter().all(|elevation| elevation.is_finite()));
+        }
+    }
+}
