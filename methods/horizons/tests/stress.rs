@@ -77,11 +77,11 @@ fn cases() -> u32 {
     std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(40)
 }
 
-/// What rounding may do to an angle: that of heights and, along a run, of positions (by 128 times as much of a sample), over the
+/// What rounding may do to an angle: that of heights and, along a run, of positions (by 256 times as much of a sample), over the
 /// nearest distance.
 fn rounding(field: &HeightField) -> f32 {
     let highest = field.heights().iter().fold(0.0, |highest: f32, height| highest.max(height.abs()));
-    1e-5 + 128.0 * f32::EPSILON * highest / field.cell().min_element()
+    1e-5 + 256.0 * f32::EPSILON * highest / field.cell().min_element()
 }
 
 proptest! {
