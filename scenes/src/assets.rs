@@ -171,7 +171,7 @@ impl Asset {
         points::parse(self.check(), &self.bytes)
     }
 
-    fn check(&self) -> Checker<'_> {
+    pub(crate) fn check(&self) -> Checker<'_> {
         Checker { file: &self.path }
     }
 

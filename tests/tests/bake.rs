@@ -52,9 +52,16 @@ impl<'s> Running<'s> {
     }
 
     fn radiance(&mut self, frame: &Frame) -> Vec<Rgb> {
+        self.counted.clear();
         let mut meter = Counters::default();
-        let mut out = vec![Rgb::ZERO; frame.receivers.len()];
         self.prepared.update(frame, &mut meter).expect("a frame");
+        self.counted = meter.0;
+        self.evaluated(frame)
+    }
+
+    fn evaluated(&mut self, frame: &Frame) -> Vec<Rgb> {
+        let mut meter = Counters(std::mem::take(&mut self.counted));
+        let mut out = vec![Rgb::ZERO; frame.receivers.len()];
         self.prepared.evaluate(frame, Quantity::Direct, &mut meter).expect("direct light");
         self.prepared.read(Output::Radiance(&mut out), &mut meter).expect("as many");
         self.counted = meter.0;
@@ -99,6 +106,29 @@ fn baked_is_what_is_gathered_every_frame() {
                 assert!(kept > 0 && gathered > 0 && plain.count("blockers kept from before") == 0);
             }
         }
+    }
+}
+
+/// What is kept was accumulated under parameters that a sweep may change, whether or not an update follows.
+#[test]
+fn retuned_is_baked_again() {
+    let scene = scene();
+    let frame = scene.frame(1);
+    for method in methods() {
+        let mut changed = 0;
+        for setting in ["self-shadow=off", "self-shadow=paper", "min-angle=8", "guard=false", "window-visibility=true"]
+        {
+            let mut retuned = Running::new(method, &scene, "bake=true");
+            let before = retuned.radiance(&frame);
+            let settings = ["bake=true", setting].into_iter().filter_map(|setting| setting.split_once('='));
+            let params = Params::resolve(method.info().params, settings).expect("its parameters");
+            retuned.prepared.retune(&params).expect("no phase before evaluation");
+            let after = retuned.evaluated(&frame);
+            let fresh = Running::new(method, &scene, &format!("bake=true {setting}")).radiance(&frame);
+            assert_eq!(after, fresh, "{} {setting}", method.info().id);
+            changed += usize::from(after != before);
+        }
+        assert!(changed >= 4, "{}", method.info().id);
     }
 }
 

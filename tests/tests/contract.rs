@@ -14,15 +14,19 @@ fn every_registered_method_keeps_the_contract() {
     assert!(lines.is_empty(), "{}", lines.join("\n"));
 }
 
-/// Receivers that share cuts, few of them and many.
+/// Receivers that share cuts, few of them and many, and blockers that are kept where they stay; alone and together.
 #[test]
-fn methods_with_cuts_keep_the_contract() {
+fn methods_with_cuts_and_bakes_keep_the_contract() {
     let scenes = [fixtures::heaps(), fixtures::moving_sphere(), fixtures::stress()];
-    let method = halflight_registry::find("shexp/hyb").expect("it is registered");
+    let cut = [("cut", "30"), ("cluster", "16")];
+    let (coarse, bake) = ([("cut", "30"), ("cluster", "256")], [("bake", "true")]);
+    let both = [("cut", "30"), ("cluster", "16"), ("bake", "true")];
     let mut violations = Vec::new();
-    for cluster in ["16", "256"] {
-        let params = Params::resolve(method.info().params, [("cut", "30"), ("cluster", cluster)]);
-        let params = params.expect("they are its parameters");
+    for (id, settings) in
+        [("shexp/hyb", &cut[..]), ("shexp/hyb", &coarse), ("shexp/hyb", &both), ("sh-product/ordered", &bake)]
+    {
+        let method = halflight_registry::find(id).expect("it is registered");
+        let params = Params::resolve(method.info().params, settings.iter().copied()).expect("they are its parameters");
         for case in scenes.iter().flat_map(|scene| Case::all(method, scene, Backend::Cpu)) {
             let case = case.tuned(params.clone());
             violations.extend(checks::CHECKS.iter().filter_map(|(_, check)| check(&case).err()));

@@ -35,6 +35,15 @@ fn orders(method: &dyn Method) -> Vec<(i64, Params)> {
     }
 }
 
+/// Those that need no terrain.
+fn methods(scene: &Scene) -> impl Iterator<Item = &'static dyn Method> {
+    let all = halflight_registry::methods().into_iter();
+    let serves = |method: &dyn Method| Case::new(method, scene, Quantity::Direct).is_supported();
+    let (serving, others): (Vec<_>, Vec<_>) = all.partition(|method| serves(*method));
+    assert!(others.iter().all(|method| method.info().family() == "horizon-wedges"));
+    serving.into_iter()
+}
+
 /// Direct light at every receiver.
 fn radiance(method: &dyn Method, scene: &Scene, params: Params) -> Vec<f32> {
     let case = Case::new(method, scene, Quantity::Direct).tuned(params);
@@ -45,7 +54,7 @@ fn radiance(method: &dyn Method, scene: &Scene, params: Params) -> Vec<f32> {
 #[test]
 fn an_open_receiver_gives_one_at_every_order() {
     let scene = furnace(Vec::new(), normals().map(|normal| (Vec3::ZERO, normal)).collect());
-    for method in halflight_registry::methods() {
+    for method in methods(&scene) {
         for (order, params) in orders(method) {
             let results = radiance(method, &scene, params);
             let worst = results.iter().map(|value| (value - 1.0).abs()).fold(0.0, f32::max);
@@ -114,15 +123,17 @@ fn passed(id: &str, order: i64) -> (f32, f32) {
             reproduced(order as usize, |exp, f, out| {
                 exp.product_series(21, f, out);
             }),
-            SERIES,
+            4.0 * SINE_ROUNDING,
         ),
         "shexp/ol" => (
             reproduced(order as usize, |exp, f, out| {
                 exp.optimal_linear(f, out);
             }),
-            SERIES,
+            4.0 * SINE_ROUNDING,
         ),
-        "shexp/quadrature" => (reproduced(order as usize, |_, f, out| exp_exact(f.len().isqrt(), f, out)), SERIES),
+        "shexp/quadrature" => {
+            (reproduced(order as usize, |_, f, out| exp_exact(f.len().isqrt(), f, out)), 4.0 * SINE_ROUNDING)
+        }
         "shexp/ps-star" | "shexp/hyb" => (reproduced(order as usize, eigen), SERIES),
         "ambient-occlusion/elements" => (CLOSED_ROOM, ELEMENTS),
         _ => (0.0, SINE_ROUNDING),
@@ -132,7 +143,7 @@ fn passed(id: &str, order: i64) -> (f32, f32) {
 #[test]
 fn a_covered_hemisphere_gives_zero_but_for_what_a_method_is_known_to_pass() {
     let normals: Vec<Vec3> = normals().step_by(10).chain(AXES).collect();
-    for method in halflight_registry::methods() {
+    for method in methods(&covered(Vec3::Z)) {
         let id = method.info().id;
         for (order, params) in orders(method).into_iter().filter(|(order, _)| *order != 1) {
             let (leak, (expected, bound)) = (leak(method, &params, &normals), passed(id, order));

@@ -80,6 +80,66 @@ fn lamps_in_the_open_give_what_they_give() {
     }
 }
 
+/// Band `l` of a circle of 1 about z with so many radians of radius: `√(π/(2l+1)) (P_{l−1}(cos) − P_{l+1}(cos))`.
+fn circle(band: usize, angle: f64) -> f64 {
+    let below = if band == 0 { 1.0 } else { legendre(band - 1, angle.cos()) };
+    (PI / (2 * band + 1) as f64).sqrt() * (below - legendre(band + 1, angle.cos()))
+}
+
+fn legendre(band: usize, x: f64) -> f64 {
+    let step = |(before, here): (f64, f64), l: usize| {
+        let l = l as f64;
+        (here, ((2.0 * l + 1.0) * x * here - l * before) / (l + 1.0))
+    };
+    (0..band).fold((0.0, 1.0), step).1
+}
+
+/// The share `(g, L)/(1, L)` under one ball, at all covers of the lamp, by band sums.
+#[test]
+fn a_ball_leaves_of_a_lamp_what_its_bands_say() {
+    let position = Vec3::new(0.2, -0.3, 0.0);
+    let to = LAMP.center - position;
+    let radius = f64::from(LAMP.radius / to.length()).asin();
+    let mut partial = 0;
+    for step in 0..30 {
+        let apart = 0.05 * step as f32;
+        let ball = Sphere { center: position + 0.5 * Vec3::new(apart.sin(), 0.0, apart.cos()), radius: 0.18 };
+        let hidden = f64::from(ball.radius / 0.5).asin();
+        let scene = scene(vec![lamp(LAMP), fixtures::spheres("ball", vec![ball])], vec![(position, Vec3::Z)]);
+        for order in [1, 2, 4, 6, 8] {
+            let setting = order.to_string();
+            let settings = [("order", setting.as_str()), ("self-shadow", "off")];
+            let term = |l| circle(l, radius) * circle(l, hidden) * legendre(l, f64::from(apart.cos()));
+            let share = 1.0 - (0..order).map(term).sum::<f64>() / ((4.0 * PI).sqrt() * circle(0, radius));
+            partial += usize::from((0.1..0.9).contains(&share));
+            let expected = integral(position, Vec3::Z) * share.clamp(0.0, 1.0);
+            for id in ["sh-product/ordered", "sh-product/tree", "shexp/eigen"] {
+                let method = halflight_registry::find(id).expect("it is registered");
+                let found = f64::from(radiance(method, &scene, &settings)[0].x / RADIANCE.x);
+                let error = (found - expected).abs() / integral(position, Vec3::Z);
+                assert!(error < 2e-3, "{id}, order {order}, {apart} apart: {found} for {expected}");
+            }
+        }
+    }
+    assert!(partial > 20, "{partial}");
+}
+
+/// The paper's table fits what it holds: in the open at order 4 up to what truncation and one lobe leave, and it hides what hides.
+#[test]
+fn lobes_light_as_lamps_do() {
+    let points: Vec<_> = points().into_iter().filter(|(p, n)| (LAMP.center - *p).normalize().dot(*n) > 0.5).collect();
+    assert!(points.len() > 40);
+    let scene = scene(vec![lamp(LAMP)], points.clone());
+    for method in methods() {
+        let found = radiance(method, &scene, &[("order", "4"), ("lamps", "lobe")]);
+        for (found, (position, normal)) in found.iter().zip(&points) {
+            let expected = integral(*position, *normal);
+            let error = (f64::from(found.x / RADIANCE.x) - expected).abs() / expected;
+            assert!(error < 0.1, "{}: {} for {expected}", method.info().id, found.x / RADIANCE.x);
+        }
+    }
+}
+
 #[test]
 fn what_stands_before_a_lamp_shades_it_and_the_inside_is_dark() {
     let position = Vec3::new(0.2, -0.3, 0.0);

@@ -5,7 +5,9 @@
 //! its page measures that row (`claims.rs`) rather than measure the same another way.
 
 mod claims;
+mod hw;
 mod seeing;
+mod sequence;
 mod shexp;
 
 use crate::Error;
@@ -14,7 +16,7 @@ use halflight_reports::{ReportError, Sheet};
 use std::path::{Path, PathBuf};
 
 /// All figures, a list a paper.
-const PAPERS: &[&[Figure]] = &[shexp::FIGURES];
+const PAPERS: &[&[Figure]] = &[shexp::FIGURES, hw::FIGURES];
 
 /// A figure or table of a paper, or one that a claim of it asks for.
 pub struct Figure {

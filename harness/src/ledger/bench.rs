@@ -103,6 +103,26 @@ impl Bench {
         frame: &'a Frame,
         setting: &'a Setting,
     ) -> Result<Work<'a>, Error> {
+        self.work(scene, frame, setting, false)
+    }
+
+    /// A whole frame of the method as work to be timed: update and shading.
+    pub(crate) fn framing<'a>(
+        &'a self,
+        scene: &'a Scene,
+        frame: &'a Frame,
+        setting: &'a Setting,
+    ) -> Result<Work<'a>, Error> {
+        self.work(scene, frame, setting, true)
+    }
+
+    fn work<'a>(
+        &'a self,
+        scene: &'a Scene,
+        frame: &'a Frame,
+        setting: &'a Setting,
+        whole: bool,
+    ) -> Result<Work<'a>, Error> {
         let failed = |error: String| setting.failed(scene, &error);
         let task = self.task(scene, setting.method, &setting.params);
         let mut ready = prepare_once(&task, &Key::of_bytes(b"no cell"), &mut silent).map_err(failed)?;
@@ -111,6 +131,10 @@ impl Bench {
         Ok(Box::new(move || {
             let (mut recorded, mut silent) = (Recorded::default(), silent);
             let mut recorder = Recorder::new(&mut silent);
+            if whole {
+                update(&mut ready, frame, &mut recorder, &mut recorded)
+                    .map_err(|error| setting.failed(scene, &error))?;
+            }
             evaluate(&task, ready.method.as_mut(), frame, &mut recorder, &mut recorded, &mut radiance)
                 .map_err(|error| setting.failed(scene, &error))
         }))

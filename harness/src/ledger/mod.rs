@@ -4,18 +4,21 @@
 //! figures a verdict (`Row::judge`). What was measured is in a store, as [`Measured`] lines;
 //! [`page()`] renders it, and measures nothing. Figures of a row count together only if they were taken together.
 
+mod asking;
 mod bench;
 mod ground;
 mod page;
 mod plain;
 mod row;
 mod rows;
+mod shadows;
 
 use crate::{Error, environment};
 use halflight_results::{Key, Measured, Record, Store};
 use row::Judgement;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+pub(crate) use asking::direct;
 pub use bench::Terms;
 pub(crate) use bench::{Bench, Figure as Ours, Setting, silent};
 pub(crate) use ground::Ground;
@@ -23,8 +26,9 @@ pub use page::page;
 pub(crate) use page::value;
 pub use row::Row;
 pub(crate) use row::number;
-pub(crate) use rows::Seams;
 pub use rows::{ROWS, chosen};
+pub(crate) use rows::{Seams, swaying};
+pub(crate) use shadows::{SHADOW, in_shadow, mean_change};
 
 /// Measures a row and appends its figures to a store; returns how many there are.
 ///

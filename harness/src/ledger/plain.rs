@@ -101,15 +101,18 @@ struct Vertex {
     term: Vec<f32>,
     scratch: Vec<f32>,
     log: Vec<f32>,
+    /// Nothing has been added.
+    open: bool,
 }
 
 impl Vertex {
     fn new(order: usize) -> Vertex {
         let vector = || vec![0.0; coefficients(order)];
-        Vertex { order, visibility: vector(), term: vector(), scratch: vector(), log: vector() }
+        Vertex { order, visibility: vector(), term: vector(), scratch: vector(), log: vector(), open: true }
     }
 
     fn begin(&mut self, how: How) {
+        self.open = true;
         self.visibility.fill(0.0);
         if how == How::Product {
             self.visibility[0] = (4.0 * PI).sqrt();
@@ -119,12 +122,14 @@ impl Vertex {
     fn add(&mut self, circle: &[f32], how: How) {
         match how {
             How::Circles => self.visibility[0] += circle[0],
+            How::Product if self.open => self.visibility.copy_from_slice(circle),
             How::Product => {
                 product(self.order, &self.visibility, circle, &mut self.scratch);
                 std::mem::swap(&mut self.visibility, &mut self.scratch);
             }
             _ => self.visibility.iter_mut().zip(circle).for_each(|(sum, value)| *sum += value),
         }
+        self.open = false;
     }
 
     fn end(&mut self, how: How) {
@@ -154,7 +159,7 @@ impl Vertex {
 
     /// The exponential of `visibility` by PS-p (Ren 2006, eq. 17).
     fn series(&mut self, degree: usize) {
-        let Vertex { order, log, visibility, term, scratch } = self;
+        let Vertex { order, log, visibility, term, scratch, .. } = self;
         log.copy_from_slice(visibility);
         term.copy_from_slice(log);
         visibility[0] += (4.0 * PI).sqrt();

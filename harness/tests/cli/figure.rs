@@ -26,5 +26,12 @@ fn figures_are_listed_made_by_name_and_an_unknown_one_is_told() {
     let rim = page("shexp/rim");
     assert_eq!(rim.matches("<svg").count(), 4);
     assert!(rim.contains("<th>0.9</th><td>0.729</td><td>0.729</td>"), "{rim}");
+    bench.well("figure hw/fig4 --samples 64 --out figures");
+    let offsets = page("hw/fig4");
+    assert_eq!(
+        (offsets.matches("<svg").count(), offsets.matches("RMSE 0.0").count()),
+        (2, 5),
+        "five offsets in two plots"
+    );
     assert!(!rim.replace("http://www.w3.org/2000/svg", "").contains("://"), "the page loads something");
 }

@@ -8,13 +8,13 @@ use halflight_scenes::{Receivers, Sphere};
 pub(crate) struct Bake {
     /// The blockers that never move.
     pub(crate) spheres: Vec<Sphere>,
-    /// Coefficients a receiver.
-    size: usize,
-    /// Position and normal for which each receiver is baked; none if it is not.
-    known: Vec<Option<[Vec3; 2]>>,
+    /// Position and normal of each receiver; none if it is not valid.
+    places: Vec<Option<[Vec3; 2]>>,
+    /// Receivers that are not baked where they are.
+    missing: Vec<usize>,
     /// Circles a receiver.
     counts: Vec<u32>,
-    /// `size` coefficients a receiver.
+    /// As many coefficients a receiver.
     sums: Vec<f32>,
 }
 
@@ -23,42 +23,53 @@ impl Bake {
         Bake { spheres, ..Bake::default() }
     }
 
-    /// Forgets everything but the blockers.
+    /// Forgets what was accumulated.
     pub(crate) fn clear(&mut self) {
-        self.known.clear();
+        self.missing = (0..self.places.len()).filter(|&receiver| self.places[receiver].is_some()).collect();
+        self.counts.clear();
+        self.sums.clear();
     }
 
-    /// Makes room for `size` coefficients a receiver and tells which receivers are not baked where they are now.
-    pub(crate) fn missing(&mut self, receivers: &Receivers, size: usize) -> Vec<usize> {
-        let count = receivers.len();
-        if self.known.len() != count || self.size != size {
-            (self.size, self.known) = (size, vec![None; count]);
-            self.counts = vec![0; count];
-            self.sums = vec![0.0; count * size];
+    /// Takes receivers where they are now: those that have moved lack their blockers.
+    pub(crate) fn move_to(&mut self, receivers: &Receivers) {
+        let place = |receiver: usize| [receivers.position[receiver], receivers.geometric_normal[receiver]];
+        let places: Vec<_> = (0..receivers.len()).map(|i| receivers.valid[i].then(|| place(i))).collect();
+        if places.len() != self.places.len() {
+            self.places = places;
+            self.clear();
+            return;
         }
-        let valid = (0..count).filter(|&receiver| receivers.valid[receiver]);
-        valid.filter(|&receiver| self.known[receiver] != Some(place(receivers, receiver))).collect()
+        let moved = |&receiver: &usize| places[receiver].is_some() && places[receiver] != self.places[receiver];
+        self.missing.extend((0..places.len()).filter(moved));
+        self.missing.sort_unstable();
+        self.missing.dedup();
+        self.places = places;
     }
 
-    /// Keeps what was accumulated of so many circles at a receiver.
-    pub(crate) fn store(&mut self, receivers: &Receivers, receiver: usize, count: u32, sums: &[f32]) {
-        self.known[receiver] = Some(place(receivers, receiver));
-        self.counts[receiver] = count;
-        self.sums[receiver * self.size..][..self.size].copy_from_slice(sums);
+    /// Receivers that are not baked where they are.
+    pub(crate) fn missing(&self) -> &[usize] {
+        &self.missing
+    }
+
+    /// Keeps `size` coefficients of so many circles for each receiver that lacked them.
+    pub(crate) fn store(&mut self, size: usize, baked: &[(u32, Vec<f32>)]) {
+        self.counts.resize(self.places.len(), 0);
+        self.sums.resize(self.places.len() * size, 0.0);
+        for (receiver, (count, sums)) in self.missing.drain(..).zip(baked) {
+            self.counts[receiver] = *count;
+            self.sums[receiver * size..][..size].copy_from_slice(sums);
+        }
     }
 
     /// Circles baked at a receiver, and what was accumulated of them.
     pub(crate) fn at(&self, receiver: usize) -> (u32, &[f32]) {
-        (self.counts[receiver], &self.sums[receiver * self.size..][..self.size])
+        let size = self.sums.len() / self.counts.len();
+        (self.counts[receiver], &self.sums[receiver * size..][..size])
     }
 
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
-        let receivers = size_of_val(self.known.as_slice()) + size_of_val(self.counts.as_slice());
+        let receivers = size_of_val(self.places.as_slice()) + size_of_val(self.counts.as_slice());
         receivers + size_of_val(self.sums.as_slice()) + size_of_val(self.spheres.as_slice())
     }
-}
-
-fn place(receivers: &Receivers, receiver: usize) -> [Vec3; 2] {
-    [receivers.position[receiver], receivers.geometric_normal[receiver]]
 }

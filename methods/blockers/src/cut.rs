@@ -140,6 +140,7 @@ impl Forest<'_> {
             let leaves = self.hierarchy.spheres(node);
             visits.detailed += leaves.len() as u64;
             let detail = leaves.iter().filter_map(|&leaf| view.circle(&self.spheres[leaf as usize]));
+            let detail = detail.filter(|circle| circle.sin_angle >= view.gather.min_sin_angle);
             match view.circle(&self.bounds[node]) {
                 Some(bound) => visits.bounded += lanes.ratio(bound, detail, ratio),
                 None => ratio.fill(0.0),
@@ -183,11 +184,10 @@ impl View<'_> {
         }
     }
 
-    /// The circle that the central receiver sees, if it counts.
+    /// The circle that the central receiver sees, however small.
     fn circle(&self, sphere: &Sphere) -> Option<Circle> {
         let [position, normal] = self.central;
-        let circle = seen(self.gather.self_shadow, position, normal, sphere);
-        circle.filter(|circle| circle.sin_angle >= self.gather.min_sin_angle)
+        seen(self.gather.self_shadow, position, normal, sphere)
     }
 }
 

@@ -172,19 +172,17 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
         sums
     }
 
-    /// Accumulates blockers that never move at receivers that are new where they are.
+    /// Accumulates blockers that never move at receivers that lack them.
     fn bake(&mut self, receivers: &Receivers, meter: &mut dyn Meter) {
-        let Some(mut bake) = self.bake.take() else { return };
-        let missing = bake.missing(receivers, coefficients(params::accumulated_order(&self.params)));
+        let Some(mut bake) = self.bake.take_if(|bake| !bake.missing().is_empty()) else { return };
         let shading = self.shading();
-        let baked: Vec<_> =
-            missing.par_chunks(CHUNK).map(|numbers| shading.accumulated(receivers, numbers, &bake.spheres)).collect();
-        let mut circles = 0;
-        for (receiver, (count, sums)) in missing.iter().zip(baked.iter().flatten()) {
-            circles += u64::from(*count);
-            bake.store(receivers, *receiver, *count, sums);
-        }
-        counted(meter, &[("receivers baked", missing.len() as u64), ("blockers baked", circles)]);
+        let baked: Vec<_> = timed(meter, "bake blockers", |_| {
+            let chunks = bake.missing().par_chunks(CHUNK);
+            chunks.flat_map_iter(|numbers| shading.accumulated(receivers, numbers, &bake.spheres)).collect()
+        });
+        let circles = baked.iter().map(|(count, _)| u64::from(*count)).sum();
+        counted(meter, &[("receivers baked", baked.len() as u64), ("blockers baked", circles)]);
+        bake.store(coefficients(params::accumulated_order(&self.params)), &baked);
         self.bake = Some(bake);
     }
 
@@ -199,6 +197,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
             guard: self.params.flag(params::GUARD.name),
             light_window: &self.stage.light_window,
             lamps: &self.stage.lamps,
+            lobes: self.stage.lobes.as_ref(),
             visibility_window: self.stage.visibility_window(&self.params),
             light: self.stage.windowed_light(),
         }
@@ -232,15 +231,16 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
         if let Some((_, clustered)) = &mut self.cuts {
             clustered.update(&self.stage.spheres, &frame.receivers, &self.params, meter);
         }
-        if self.bake.is_some() {
-            timed(meter, "bake blockers", |meter| self.bake(&frame.receivers, meter));
-        }
+        self.bake.iter_mut().for_each(|bake| bake.move_to(&frame.receivers));
+        self.bake(&frame.receivers, meter);
         Ok(())
     }
 
     fn evaluate(&mut self, frame: &Frame, quantity: Quantity, meter: &mut dyn Meter) -> Result<()> {
         let receivers = frame.receivers.as_ref();
         self.quantity = quantity;
+        // Parameters may have changed since the update.
+        self.bake(receivers, meter);
         self.result.clear();
         self.result.resize(receivers.len() * quantity.channels(), 0.0);
         if meter.progress("receivers", 0, receivers.len() as u64) == Flow::Cancel {

@@ -86,7 +86,7 @@ pub const GUARD: ParamSpec = ParamSpec {
     name: "guard",
     kind: Kind::Flag { default: true },
     phase: Phase::Evaluate,
-    help: "bring visibility back to 0 ≤ g0 ≤ √4π and ‖g‖² ≤ √4π·g0 where heavy overlap makes it diverge (counted)",
+    help: "bring visibility back to 0 ≤ g0 ≤ √4π and ‖g‖² ≤ √4π·g0 where heavy overlap makes it diverge (counted); where that is in deep shadow, it may open the sky",
 };
 
 /// Windowing of the light.
@@ -111,6 +111,14 @@ pub const LOCAL_LIGHTS: ParamSpec = ParamSpec {
     kind: Kind::Flag { default: true },
     phase: Phase::Prepare,
     help: "spheres that emit give light and block none; blockers beyond such a lamp shade it too",
+};
+
+/// How lamps light.
+pub const LAMPS: ParamSpec = ParamSpec {
+    name: "lamps",
+    kind: Kind::Choice(&["share", "lobe"]),
+    phase: Phase::Prepare,
+    help: "a lamp gives its exact irradiance times the visible share of its circle, or what a lobe fitted to H(N)*L gives, as in the paper",
 };
 
 /// The SH order in which blockers are accumulated.
@@ -162,6 +170,7 @@ macro_rules! blocker_params {
             $crate::params::WINDOW_LIGHT,
             $crate::params::WINDOW_VISIBILITY,
             $crate::params::LOCAL_LIGHTS,
+            $crate::params::LAMPS,
         ]
     };
 }

@@ -5,7 +5,7 @@ use halflight_scenes::{Receivers, Rgb, Sphere};
 use halflight_sh::{Batch, Block, LANES, clamped_cosine, coefficients, project_binary_bound};
 
 use crate::bake::Bake;
-use crate::lamps::{Glow, Lamp, Seers};
+use crate::lamps::{Glow, Lamp, Lobes, Seers, Shine};
 use crate::seen::lanes;
 use crate::{Accumulator, Blockers, Circles, Counts, Gather, Tally, Work};
 
@@ -31,6 +31,7 @@ pub(crate) struct Shading<'a, A> {
     /// Distant light, windowed.
     pub(crate) light: [Vec<f32>; 3],
     pub(crate) lamps: &'a [Lamp],
+    pub(crate) lobes: Option<&'a Lobes>,
 }
 
 /// One task's scratch: vectors of 16 receivers, coefficient by coefficient unless said otherwise.
@@ -145,7 +146,8 @@ impl<A: Accumulator> Shading<'_, A> {
     /// Sets what is known of blockers that are not gathered again, and returns how many each receiver has.
     fn resume(&self, group: &[usize], state: &mut A::State) -> [u32; LANES] {
         let mut counts = [0; LANES];
-        let Some((bake, sums)) = self.bake.zip(self.accumulator.kept(state)) else { return counts };
+        let Some(bake) = self.bake else { return counts };
+        let Some(sums) = self.accumulator.kept(state) else { return counts };
         for (lane, (&receiver, count)) in group.iter().zip(&mut counts).enumerate() {
             let (known, values) = bake.at(receiver);
             *count = known;
@@ -186,7 +188,8 @@ impl<A: Accumulator> Shading<'_, A> {
         if !self.lamps.is_empty() {
             let position = lanes(group, &receivers.position);
             let seers = Seers { position, normal, visibility };
-            glow.add(self.lamps, &seers, self.light_window, self.guard, &mut irradiance);
+            let shine = Shine { window: self.light_window, guard: self.guard, lobes: self.lobes };
+            glow.add(self.lamps, &seers, &shine, &mut irradiance);
         }
         irradiance
     }

@@ -8,7 +8,7 @@ use halflight_proxies::{PosedSpheres, Proxy, blockers, proxies};
 use halflight_scenes::{Frame, Scene};
 use halflight_sh::{apply_bands, coefficients, window};
 
-use crate::lamps::{Lamp, is_lamp, lamps};
+use crate::lamps::{Lamp, Lobes, is_lamp, lamps};
 use crate::params;
 
 /// Blockers and light of a scene, carried along with its frames.
@@ -25,6 +25,8 @@ pub(crate) struct Stage<'s> {
     pub(crate) proxies: Vec<Option<Proxy>>,
     pub(crate) spheres: PosedSpheres,
     pub(crate) lamps: Vec<Lamp>,
+    /// None if lamps light by shares, or there is none.
+    pub(crate) lobes: Option<Lobes>,
 }
 
 impl<'s> Stage<'s> {
@@ -46,6 +48,9 @@ impl<'s> Stage<'s> {
             true => bands(order),
             false => vec![1.0; order],
         };
+        let lobes = local_lights && job.params.choice(params::LAMPS.name) == "lobe";
+        let lobes = lobes && (0..job.scene.objects.len()).any(|object| is_lamp(job.scene, object));
+        let lobes = lobes.then(|| timed(meter, "fit lobes", |_| Lobes::new(order, &light_window)));
         Ok(Stage {
             scene: job.scene,
             order,
@@ -56,6 +61,7 @@ impl<'s> Stage<'s> {
             proxies,
             spheres: PosedSpheres::default(),
             lamps: Vec::new(),
+            lobes,
         })
     }
 
@@ -94,6 +100,7 @@ impl<'s> Stage<'s> {
             .host("sphere sets (shared)", self.proxies.iter().flatten().map(Proxy::bytes).sum())
             .host("posed spheres", spheres)
             .host("light (shared)", self.light.bytes())
+            .host("lobes of lamps", self.lobes.as_ref().map_or(0, Lobes::bytes))
     }
 }
 

@@ -20,23 +20,23 @@ const RINGS: usize = 64;
 /// What the light within a swath is scaled to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Level {
+    /// A level receiver gets through an open swath what it gets of the light.
+    Ground,
     /// The receiver that gets most of what passes an open swath gets what a receiver that faces the light does (Snyder and Nowrouzezahrai
     /// 2008, caption of Fig. 6).
     Facing,
-    /// A level receiver gets through an open swath what it gets of the light.
-    Ground,
     /// What the spherical harmonics leave.
     Plain,
 }
 
 impl Level {
-    pub(crate) const NAMES: &'static [&'static str] = &["facing", "ground", "plain"];
+    pub(crate) const NAMES: &'static [&'static str] = &["ground", "facing", "plain"];
 
     pub(crate) fn named(name: &str) -> Level {
         match name {
-            "ground" => Level::Ground,
+            "facing" => Level::Facing,
             "plain" => Level::Plain,
-            _ => Level::Facing,
+            _ => Level::Ground,
         }
     }
 }

@@ -35,10 +35,10 @@ use halflight_blockers::params::{MIN_ANGLE, SELF_SHADOW, SPHERES, WINDOW_LIGHT, 
 use halflight_contract::{
     Backend, Coupling, Info, Job, Meter, Method, ParamSpec, Params, Prepared, Request, Result, Support,
 };
-use halflight_horizons::{Horizons, March, Pyramid, Sweep};
+use halflight_horizons::{Horizons, Sweep};
 use halflight_scenes::SceneFacts;
 
-use params::{AZIMUTHS, KEY_AZIMUTHS, KEY_LEVEL, LEVELS, OFFSET, ORDER, PLANE, SCALE, STORAGE, SWATH};
+use params::{AZIMUTHS, BORDER, KEY_AZIMUTHS, KEY_LEVEL, LEVELS, OFFSET, ORDER, PLANE, SCALE, STORAGE, SWATH};
 use prepared::Terrain;
 
 /// A member of the family.
@@ -84,7 +84,7 @@ pub const COMPLETE: Variant = Variant {
         about: "horizons from a pyramid, wedges over the complete swath for all light",
         paper: "Snyder and Nowrouzezahrai 2008, §§4–6",
         backends: &[Backend::Cpu],
-        params: with!(LEVELS, OFFSET, SCALE, PLANE, STORAGE),
+        params: with!(LEVELS, OFFSET, SCALE, PLANE, STORAGE, BORDER),
         coupling: STREAMED,
     },
     horizons: pyramid,
@@ -98,7 +98,7 @@ pub const PARTIAL: Variant = Variant {
     info: &Info {
         id: "horizon-wedges/partial",
         about: "horizons from a pyramid, wedges over a partial swath for each key light, the complete one for the rest",
-        params: with!(KEY_AZIMUTHS, SWATH, KEY_LEVEL, LEVELS, OFFSET, SCALE, PLANE, STORAGE),
+        params: with!(KEY_AZIMUTHS, SWATH, KEY_LEVEL, LEVELS, OFFSET, SCALE, PLANE, STORAGE, BORDER),
         ..*COMPLETE.info
     },
     keys: Keys::Partial,
@@ -111,11 +111,11 @@ pub const MARCH: Variant = Variant {
         id: "horizon-wedges/march",
         about: "as partial, with horizons by 145 samples along each azimuth",
         paper: "Snyder and Nowrouzezahrai 2008, §7, Fig. 10a",
-        params: with!(KEY_AZIMUTHS, SWATH, KEY_LEVEL),
+        params: with!(KEY_AZIMUTHS, SWATH, KEY_LEVEL, BORDER),
         coupling: Coupling::Independent,
         ..*COMPLETE.info
     },
-    horizons: |_| Box::new(March::default()),
+    horizons: |params| Box::new(params::march(params)),
     keys: Keys::Partial,
     ..COMPLETE
 };
@@ -126,6 +126,7 @@ pub const SWEEP: Variant = Variant {
         id: "horizon-wedges/sweep",
         about: "as partial, with horizons by convex hulls swept along lines",
         paper: "Timonen and Westerholm 2010; Snyder and Nowrouzezahrai 2008, §5",
+        params: with!(KEY_AZIMUTHS, SWATH, KEY_LEVEL),
         ..*MARCH.info
     },
     horizons: |_| Box::new(Sweep::new()),
@@ -138,7 +139,7 @@ pub const HARD: Variant = Variant {
         id: "horizon-wedges/hard",
         about: "hard shadows of key lights' centres by marching, wedges over the complete swath for the rest",
         paper: "Max 1988; Snyder and Nowrouzezahrai 2008, eq. 1",
-        params: with!(),
+        params: with!(BORDER),
         coupling: Coupling::Independent,
         ..*COMPLETE.info
     },
@@ -173,6 +174,7 @@ pub const BLOCKERS: Variant = Variant {
             SCALE,
             PLANE,
             STORAGE,
+            BORDER,
             SPHERES,
             SELF_SHADOW,
             MIN_ANGLE
@@ -184,7 +186,7 @@ pub const BLOCKERS: Variant = Variant {
 };
 
 fn pyramid(params: &Params) -> Box<dyn Horizons> {
-    Box::new(Pyramid::new(params::pyramid(params)))
+    Box::new(params::pyramid(params))
 }
 
 impl Variant {

@@ -1,7 +1,7 @@
 //! Parameters of the family.
 
 use halflight_contract::{Kind, ParamSpec, Params, Phase};
-use halflight_horizons::{Plane, Reconstruction, Scale, Settings, Storage};
+use halflight_horizons::{Border, March, Plane, Pyramid, Reconstruction, Scale, Settings, Storage};
 
 /// SH order; a hemisphere lights a level receiver exactly from order 2 on.
 pub(crate) const ORDER: ParamSpec = ParamSpec {
@@ -59,6 +59,7 @@ pub(crate) const SCALE: ParamSpec = ParamSpec {
     phase: Phase::Update,
     help: "reconstruction of a key light's horizon between scales; other lights take the greatest of the levels",
 };
+const SCALES: [Scale; 2] = [Scale::BSpline, Scale::Linear];
 
 pub(crate) const PLANE: ParamSpec = ParamSpec {
     name: "plane",
@@ -66,22 +67,46 @@ pub(crate) const PLANE: ParamSpec = ParamSpec {
     phase: Phase::Update,
     help: "reconstruction of pyramid levels in the plane",
 };
+const PLANES: [Plane; 2] = [Plane::BSpline, Plane::Bilinear];
 
 pub(crate) const STORAGE: ParamSpec = ParamSpec {
     name: "storage",
-    kind: Kind::Choice(&["decimated", "full"]),
+    kind: Kind::Choice(&["octaves", "decimated", "full"]),
     phase: Phase::Update,
-    help: "pyramid levels stay decimated, or are brought back to the field's resolution once a frame",
+    help: "once a frame pyramid levels are brought back to at least twice their resolution, or stay decimated, or are brought back to \
+           the field's",
 };
+const STORAGES: [Storage; 3] = [Storage::Octaves, Storage::Decimated, Storage::Full];
 
-/// Settings of the pyramid.
-pub(crate) fn pyramid(params: &Params) -> Settings {
-    let scale = if params.choice(SCALE.name) == "linear" { Scale::Linear } else { Scale::BSpline };
-    let plane = if params.choice(PLANE.name) == "bilinear" { Plane::Bilinear } else { Plane::BSpline };
-    Settings {
+pub(crate) const BORDER: ParamSpec = ParamSpec {
+    name: "border",
+    kind: Kind::Choice(&["open", "extend"]),
+    phase: Phase::Update,
+    help: "beyond its border the field ends, or goes on as it is there",
+};
+const BORDERS: [Border; 2] = [Border::Open, Border::Extend];
+
+/// The value that a choice's name stands for.
+fn chosen<T: Copy, const N: usize>(params: &Params, spec: &ParamSpec, values: [T; N]) -> T {
+    let Kind::Choice(names) = spec.kind else { return values[0] };
+    let name = params.choice(spec.name);
+    names.iter().zip(values).find_map(|(known, value)| (*known == name).then_some(value)).unwrap_or(values[0])
+}
+
+/// The pyramid that parameters ask for.
+pub(crate) fn pyramid(params: &Params) -> Pyramid {
+    let reconstruction =
+        Reconstruction { scale: chosen(params, &SCALE, SCALES), plane: chosen(params, &PLANE, PLANES) };
+    let settings = Settings {
         levels_per_octave: params.int(LEVELS.name),
         offset: params.float(OFFSET.name) as f32,
-        reconstruction: Reconstruction { scale, plane },
-        storage: if params.choice(STORAGE.name) == "full" { Storage::Full } else { Storage::Decimated },
-    }
+        reconstruction,
+        storage: chosen(params, &STORAGE, STORAGES),
+    };
+    Pyramid::new(settings).with_border(chosen(params, &BORDER, BORDERS))
+}
+
+/// The march that they ask for.
+pub(crate) fn march(params: &Params) -> March {
+    March::default().with_border(chosen(params, &BORDER, BORDERS))
 }

@@ -9,7 +9,7 @@ use glam::Vec3;
 use halflight_contract::{Job, Meter, Params, Result};
 use halflight_horizons::{Azimuth, Purpose};
 use halflight_light::{EachLightOf, SceneLight};
-use halflight_scenes::{Frame, KeyLight, Light, Rgb};
+use halflight_scenes::{Frame, KeyLight, Light, Revision, Rgb};
 use halflight_sh::{apply_bands, coefficients};
 
 use crate::key::{self, Level};
@@ -43,6 +43,10 @@ pub(crate) struct Sun {
 /// All views of a frame.
 #[derive(Default)]
 pub(crate) struct Plan {
+    /// Of the lights that they are for.
+    pub(crate) lights: Vec<Revision>,
+    /// Tables that were made for it, since no frame of the scene has such a light.
+    pub(crate) tables: u64,
     pub(crate) azimuths: Vec<Azimuth>,
     pub(crate) views: Vec<View>,
     pub(crate) suns: Vec<Sun>,
@@ -103,23 +107,26 @@ impl Planner {
         }
     }
 
-    /// Tables for a swath, made now where a light stands as at no frame of the scene.
-    fn tables(&mut self, swath: &Swath) -> Arc<Wedges> {
-        let (order, step) = (self.order, swath.step);
-        let make = || Arc::new(Wedges::new(order, step));
-        self.tables.entry(step.to_bits()).or_insert_with(make).clone()
+    /// Tables for a swath, made now where a light stands as at no frame of the scene, and whether they were.
+    fn tables(&mut self, swath: &Swath) -> (Arc<Wedges>, bool) {
+        match self.tables.entry(swath.step.to_bits()) {
+            Entry::Occupied(known) => (known.get().clone(), false),
+            Entry::Vacant(slot) => (slot.insert(Arc::new(Wedges::new(self.order, swath.step))).clone(), true),
+        }
     }
 
     /// The views of a frame's lights.
     pub(crate) fn plan(&mut self, frame: &Frame, params: &Params) -> Plan {
-        let mut plan = Plan::default();
+        let mut plan = Plan { lights: revisions(frame).collect(), ..Plan::default() };
         let mut around = [0; 3].map(|_| vec![0.0; coefficients(self.order)]);
         let each = self.each.clone();
         for (light, sh) in frame.lights().zip(each.iter()) {
             match (light, self.swath(light)) {
                 (Light::Key(key), Some(swath)) => {
                     let level = Level::named(params.choice(KEY_LEVEL.name));
-                    let (tables, wedges) = (self.tables(&swath), swath.wedges(self.order));
+                    let (tables, made) = self.tables(&swath);
+                    plan.tables += u64::from(made);
+                    let wedges = swath.wedges(self.order);
                     let light = key::light(key, level, &tables, &wedges);
                     plan.view(&swath, Purpose::Key, wedges, tables, self.windowed(light));
                 }
@@ -134,7 +141,9 @@ impl Planner {
         if self.whole || around.iter().flatten().any(|value| *value != 0.0) {
             let (swath, light) = (self.complete, self.windowed(around));
             let purpose = if self.whole { Purpose::Key } else { Purpose::Environment };
-            plan.view(&swath, purpose, swath.wedges(self.order), self.tables(&swath), light);
+            let (tables, made) = self.tables(&swath);
+            plan.tables += u64::from(made);
+            plan.view(&swath, purpose, swath.wedges(self.order), tables, light);
         }
         plan
     }
@@ -146,11 +155,6 @@ impl Planner {
         light
     }
 
-    /// Whether lights turn, so that frames need plans of their own.
-    pub(crate) fn turns(&self) -> bool {
-        self.each.iter().any(|light| !light.turning.is_empty())
-    }
-
     /// Bytes of tables and of lights.
     pub(crate) fn bytes(&self) -> [usize; 2] {
         let tables = self.tables.values().map(|tables| tables.bytes()).sum();
@@ -158,7 +162,21 @@ impl Planner {
     }
 }
 
+fn revisions(frame: &Frame) -> impl Iterator<Item = Revision> {
+    frame.lights.iter().map(|light| light.revision)
+}
+
 impl Plan {
+    /// Whether it is for lights as a frame has them.
+    pub(crate) fn fits(&self, frame: &Frame) -> bool {
+        self.lights.iter().copied().eq(revisions(frame))
+    }
+
+    /// The number of wedges of all views.
+    pub(crate) fn wedges(&self) -> usize {
+        self.views.iter().map(|view| view.wedges.len()).sum()
+    }
+
     fn view(&mut self, swath: &Swath, purpose: Purpose, wedges: Vec<Wedge>, tables: Arc<Wedges>, light: [Vec<f32>; 3]) {
         let first = self.azimuths.len();
         self.azimuths.extend(swath.azimuths().map(|angle| Azimuth { angle, purpose }));

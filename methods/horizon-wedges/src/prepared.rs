@@ -5,7 +5,7 @@ use halflight_blockers::params::WINDOW_VISIBILITY;
 use halflight_contract::{
     Error, Flow, Footprint, Job, Meter, Output, Params, Phase, Prepared, Quantity, Result, counted, timed,
 };
-use halflight_horizons::Horizons;
+use halflight_horizons::{Horizons, Made};
 use halflight_scenes::{Frame, HeightField, Receivers, Revision, Shape};
 use halflight_sh::Batch;
 use rayon::prelude::*;
@@ -61,22 +61,21 @@ impl<'s> Terrain<'s> {
     }
 
     /// Horizons of a field under the plan's azimuths.
-    fn find(&mut self, field: &HeightField, plan: &Plan) {
-        self.horizons.update(field, &plan.azimuths);
+    fn find(&mut self, field: &HeightField, plan: &Plan) -> Made {
         self.ground = Some(Ground { object: self.object as u32, origin: field.origin(), cell: field.cell() });
+        self.horizons.update(field, &plan.azimuths)
     }
 
     fn report(&self, receivers: &Receivers, tally: &Tally, meter: &mut dyn Meter) {
         let Some(plan) = &self.plan else { return };
         let valid = receivers.valid.iter().filter(|valid| **valid).count() as u64;
         let samples: f64 = (0..plan.azimuths.len()).map(|azimuth| self.horizons.work(azimuth).samples).sum();
-        let wedges: usize = plan.views.iter().map(|view| view.wedges.len()).sum();
         let products = plan.views.len() * if self.casters.is_some() { 2 } else { 1 };
         let amounts = [
             ("receivers", valid),
             ("horizons", valid * plan.azimuths.len() as u64),
             ("height samples", (valid as f64 * samples) as u64),
-            ("wedges", valid * wedges as u64),
+            ("wedges", valid * plan.wedges() as u64),
             ("products", valid * products as u64),
             ("blockers accumulated", tally.accumulated),
             ("blockers removed by self-shadow rules", tally.removed),
@@ -108,15 +107,20 @@ impl Prepared for Terrain<'_> {
     }
 
     fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
-        let aimed = self.plan.is_none() || self.planner.turns();
-        let plan = match self.plan.take() {
-            Some(plan) if !aimed => plan,
-            _ => timed(meter, "aim at lights", |_| self.planner.plan(frame, &self.params)),
+        let kept = self.plan.take().filter(|plan| plan.fits(frame));
+        let aimed = kept.is_none();
+        let plan = match kept {
+            Some(plan) => plan,
+            None => timed(meter, "aim at lights", |_| self.planner.plan(frame, &self.params)),
         };
+        if aimed {
+            counted(meter, &[("wedges aimed", plan.wedges() as u64), ("wedge tables made", plan.tables)]);
+        }
         let posed = &frame.objects[self.object];
         if aimed || self.revision != Some(posed.revision) {
             if let Shape::Heights(field) = &*posed.in_place() {
-                timed(meter, "pyramid or sweep", |_| self.find(field, &plan));
+                let made = timed(meter, "pyramid or sweep", |_| self.find(field, &plan));
+                counted(meter, &[("levels made", made.levels as u64), ("azimuths aimed", made.azimuths as u64)]);
             }
             self.revision = Some(posed.revision);
         }

@@ -36,18 +36,23 @@ impl Places {
         run(simd, Number { places: self, wedges });
     }
 
-    /// The place along an azimuth's horizon.
+    /// Of a block of receivers how far their horizons along an azimuth are from their entries towards the next.
     #[inline(always)]
-    fn fraction(&self, azimuth: usize, receiver: usize) -> f32 {
-        self.fractions.as_flattened()[azimuth * self.blocks * LANES + receiver]
+    fn fractions(&self, azimuth: usize, block: usize) -> &[f32; LANES] {
+        &self.fractions[azimuth * self.blocks + block]
     }
 
-    /// A wedge's number.
+    /// Of a block of receivers the numbers of a wedge's entries.
     #[inline(always)]
-    fn number(&self, wedge: usize, receiver: usize) -> usize {
-        let sum = self.numbers.as_flattened()[wedge * self.blocks * LANES + receiver];
-        (sum.to_bits() & 0xffff) as usize
+    fn numbers(&self, wedge: usize, block: usize) -> &[f32; LANES] {
+        &self.numbers[wedge * self.blocks + block]
     }
+}
+
+/// A number that [`TO_BITS`] was added to.
+#[inline(always)]
+fn whole(number: f32) -> usize {
+    (number.to_bits() & 0xffff) as usize
 }
 
 /// Turns elevations, held in `entries`, into entries and fractions.
@@ -101,82 +106,91 @@ impl Task<f32> for Number<'_> {
 
 /// Adds up the wedges that the places were set for of receivers `0..out.len() / n²`, and writes one vector after the other.
 pub(crate) fn sum(simd: Simd, tables: &Wedges, wedges: &[Wedge], places: &Places, out: &mut [f32]) {
-    run(simd, Sum { look_up: LookUp { tables, rows: rows(tables.order), places }, wedges, out });
+    run(simd, Sum { tables, rows: rows(tables.order), places, wedges, out });
 }
 
 struct Sum<'a> {
-    look_up: LookUp<'a>,
+    tables: &'a Wedges,
+    /// Blocks of a table's entry.
+    rows: usize,
+    places: &'a Places,
     wedges: &'a [Wedge],
     out: &'a mut [f32],
 }
 
+/// Some coefficients of a block of receivers' wedges, each times `cos mφ` and times `sin mφ`.
+type Sums = [[Block<f32>; 2]; LANES];
+
 impl Task<f32> for Sum<'_> {
     #[inline(always)]
-    fn run<V: Lanes<Scalar = f32>>(self) {
-        let LookUp { tables: &Wedges { order, .. }, rows, .. } = self.look_up;
-        let mut sums = [[Block::ZERO; 2]; 4];
-        for (receiver, out) in self.out.chunks_exact_mut(coefficients(order)).enumerate() {
-            for (row, [cosines, sines]) in sums.iter_mut().enumerate().take(rows) {
-                for part in 0..LANES / V::WIDTH {
-                    let (mut even, mut odd) = (V::constant(0.0), V::constant(0.0));
-                    for (number, wedge) in self.wedges.iter().enumerate() {
-                        let value = self.look_up.value::<V>(number, wedge, receiver, row, part);
-                        even = value.mul_add(V::load(&wedge.turn[row].0, part), even);
-                        odd = value.mul_add(V::load(&wedge.turn[rows + row].0, part), odd);
-                    }
-                    even.store(&mut cosines.0, part);
-                    odd.store(&mut sines.0, part);
+    fn run<V: Lanes<Scalar = f32>>(mut self) {
+        let order = self.tables.order;
+        let size = coefficients(order);
+        let mut sums = [[[Block::ZERO; 2]; LANES]; 4];
+        for (block, out) in std::mem::take(&mut self.out).chunks_mut(LANES * size).enumerate() {
+            for (row, sums) in sums.iter_mut().enumerate().take(self.rows) {
+                *sums = [[Block::ZERO; 2]; LANES];
+                for number in 0..self.wedges.len() {
+                    self.add::<V>(number, block, row, &mut sums[..out.len() / size]);
                 }
             }
-            turned(order, &sums, out);
+            for (receiver, out) in out.chunks_exact_mut(size).enumerate() {
+                match self.rows {
+                    1 => turned_lanes::<V>(order, &sums[0][receiver], out),
+                    _ => turned(order, &sums, receiver, out),
+                }
+            }
         }
     }
 }
 
-/// Tables and places in them.
-#[derive(Clone, Copy)]
-struct LookUp<'a> {
-    tables: &'a Wedges,
-    /// Blocks of an entry.
-    rows: usize,
-    places: &'a Places,
+impl Sum<'_> {
+    /// Adds a wedge of a block of receivers to their sums.
+    #[inline(always)]
+    fn add<V: Lanes<Scalar = f32>>(&self, number: usize, block: usize, row: usize, sums: &mut [[Block<f32>; 2]]) {
+        let Wedges { interior, boundary, .. } = self.tables;
+        let wedge = &self.wedges[number];
+        let (numbers, along) = (self.places.numbers(number, block), self.places.fractions(wedge.start, block));
+        let across = wedge.end.map(|end| self.places.fractions(end, block));
+        let [cosines, sines] = [&wedge.turn[row].0, &wedge.turn[self.rows + row].0];
+        let next = ELEVATIONS * self.rows;
+        for part in 0..LANES / V::WIDTH {
+            let (cos, sin) = (V::load(cosines, part), V::load(sines, part));
+            for (receiver, [even, odd]) in sums.iter_mut().enumerate() {
+                let first = whole(numbers[receiver]) * self.rows + row;
+                let along = V::splat(along[receiver]);
+                let value = match across {
+                    None => {
+                        let pair = &boundary[first..first + self.rows + 1];
+                        between(part, &pair[0], &pair[self.rows], along)
+                    }
+                    Some(across) => {
+                        let across = V::splat(across[receiver]);
+                        let square = &interior[first..first + next + self.rows + 1];
+                        let low = between(part, &square[0], &square[self.rows], across);
+                        let high = between(part, &square[next], &square[next + self.rows], across);
+                        high.sub(low).mul_add(along, low)
+                    }
+                };
+                value.mul_add(cos, V::load(&even.0, part)).store(&mut even.0, part);
+                value.mul_add(sin, V::load(&odd.0, part)).store(&mut odd.0, part);
+            }
+        }
+    }
 }
 
-impl LookUp<'_> {
-    /// Some coefficients of a receiver's wedge, interpolated.
-    #[inline(always)]
-    fn value<V: Lanes<Scalar = f32>>(
-        &self,
-        number: usize,
-        wedge: &Wedge,
-        receiver: usize,
-        row: usize,
-        part: usize,
-    ) -> V {
-        let Wedges { interior, boundary, .. } = self.tables;
-        let first = self.places.number(number, receiver) * self.rows + row;
-        let along = V::splat(self.places.fraction(wedge.start, receiver));
-        let Some(end) = wedge.end else {
-            let pair = &boundary[first..=first + self.rows];
-            let low = V::load(&pair[0].0, part);
-            return V::load(&pair[self.rows].0, part).sub(low).mul_add(along, low);
-        };
-        let across = V::splat(self.places.fraction(end, receiver));
-        let next = ELEVATIONS * self.rows;
-        let square = &interior[first..=first + next + self.rows];
-        let low = V::load(&square[0].0, part);
-        let low = V::load(&square[self.rows].0, part).sub(low).mul_add(across, low);
-        let high = V::load(&square[next].0, part);
-        let high = V::load(&square[next + self.rows].0, part).sub(high).mul_add(across, high);
-        high.sub(low).mul_add(along, low)
-    }
+/// Linear from one entry to another.
+#[inline(always)]
+fn between<V: Lanes<Scalar = f32>>(part: usize, from: &Block<f32>, to: &Block<f32>, share: V) -> V {
+    let from = V::load(&from.0, part);
+    V::load(&to.0, part).sub(from).mul_add(share, from)
 }
 
 /// Turns every wedge by its azimuth at once: with `P = Σ cos mφ · w` and `Q = Σ sin mφ · w`, coefficient `m` becomes `P_m − Q_−m` and
 /// `−m` becomes `P_−m + Q_m`.
 #[inline(always)]
-fn turned(order: usize, sums: &[[Block<f32>; 2]; 4], out: &mut [f32]) {
-    let at = |i: usize, part: usize| sums[i / LANES][part].0[i % LANES];
+fn turned(order: usize, sums: &[Sums; 4], receiver: usize, out: &mut [f32]) {
+    let at = |i: usize, part: usize| sums[i / LANES][receiver][part].0[i % LANES];
     for l in 0..order {
         out[index(l, 0)] = at(index(l, 0), 0);
         for m in 1..=l as isize {
@@ -185,6 +199,34 @@ fn turned(order: usize, sums: &[[Block<f32>; 2]; 4], out: &mut [f32]) {
             out[minus] = at(minus, 0) + at(plus, 1);
         }
     }
+}
+
+/// For each of 16 coefficients the number of that with `−m`, and the sign with which its sine counts.
+const MIRRORED: [[f32; LANES]; 2] = {
+    let mut mirrored = [[0.0; LANES]; 2];
+    let mut l = 0;
+    while l * l < LANES {
+        let mut m = 0;
+        while m <= 2 * l {
+            // The coefficients of a band run from −l to l.
+            mirrored[0][l * l + m] = (l * l + 2 * l - m) as f32;
+            mirrored[1][l * l + m] = if m < l { 1.0 } else { 0.0 } - if m > l { 1.0 } else { 0.0 };
+            m += 1;
+        }
+        l += 1;
+    }
+    mirrored
+};
+
+/// As [`turned`] up to order 4, whose coefficients fill a block.
+#[inline(always)]
+fn turned_lanes<V: Lanes<Scalar = f32>>(order: usize, [even, odd]: &[Block<f32>; 2], out: &mut [f32]) {
+    let mut block = Block::ZERO;
+    for part in 0..LANES / V::WIDTH {
+        let opposite = V::load(&MIRRORED[0], part).select_from(&odd.0);
+        opposite.mul_add(V::load(&MIRRORED[1], part), V::load(&even.0, part)).store(&mut block.0, part);
+    }
+    out.copy_from_slice(&block.0[..coefficients(order)]);
 }
 
 #[cfg(test)]
@@ -281,7 +323,7 @@ mod tests {
         let wedges = Swath::partial(0.0, 1.0, 1).wedges(2);
         for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
             places.set(simd, odd.len(), &odd, &wedges);
-            let at = |receiver: usize| (places.number(0, receiver), places.fraction(0, receiver));
+            let at = |receiver: usize| (whole(places.numbers(0, 0)[receiver]), places.fractions(0, 0)[receiver]);
             let last = (ELEVATIONS - 2, 1.0);
             assert_eq!([0, 1, 2, 3].map(at), [(0, 0.0), (0, 0.0), last, last]);
         }

@@ -78,7 +78,9 @@ fn compare(side: usize) {
     for _ in 0..ROUNDS {
         for ((_, horizons), times) in ways.iter_mut().zip(&mut times) {
             let start = seconds();
-            (0..UPDATES).for_each(|turn| horizons.update(&fields[turn % 2], &azimuths));
+            for turn in 0..UPDATES {
+                horizons.update(&fields[turn % 2], &azimuths);
+            }
             times[0].push((seconds() - start) / UPDATES as f64);
             let start = seconds();
             for row in 0..side {

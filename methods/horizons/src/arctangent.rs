@@ -22,14 +22,19 @@ pub(crate) fn arctangent<V: Lanes<Scalar = f32>>(tangent: V) -> V {
     let size = tangent.abs();
     // `min` first, so that NaN becomes 1.
     let below = size.min(one);
-    let ratio = below.div(size.max(one));
+    // Seldom is anything as steep as that, and a quotient takes as long as all else.
+    let steep = below.any_less(size);
+    let ratio = if steep { below.div(size.max(one)) } else { below };
     let square = ratio.mul(ratio);
     let mut sum = V::constant(ODD[6]);
     for coefficient in ODD[..6].iter().rev() {
         sum = sum.mul_add(square, V::constant(*coefficient));
     }
     let angle = sum.mul(ratio);
-    let angle = one.where_less(size, V::constant(std::f64::consts::FRAC_PI_2).sub(angle), angle);
+    let angle = match steep {
+        true => one.where_less(size, V::constant(std::f64::consts::FRAC_PI_2).sub(angle), angle),
+        false => angle,
+    };
     tangent.where_less(zero, zero.sub(angle), angle)
 }
 

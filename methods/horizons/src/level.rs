@@ -12,6 +12,9 @@ pub(crate) const PAD: usize = 20;
 /// How many samples before a row a register may begin; nothing differs there.
 pub(crate) const BEYOND: isize = 19;
 
+/// In cells: what rounding takes off the border is on it.
+pub(crate) const NEAR: f64 = 1e-6;
+
 /// Where a level's samples lie along x and y.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lattice {
@@ -19,6 +22,8 @@ pub(crate) struct Lattice {
     pub(crate) scale: [f64; 2],
     /// By how many samples it begins before the field, where it does not fit.
     pub(crate) shift: [f64; 2],
+    /// The field's last vertex, in its grid coordinates.
+    pub(crate) last: [f64; 2],
 }
 
 /// Heights at the centres of rectangles, a whole number of which covers the field: its own are rectangles about its vertices.
@@ -38,7 +43,8 @@ impl Level {
 
     fn scaled(size: [usize; 2], full: [usize; 2], scale: [f64; 2]) -> Self {
         let shift = [0, 1].map(|axis| 0.5 * (size[axis] as f64 - full[axis] as f64 * scale[axis]));
-        Level { size, lattice: Lattice { scale, shift }, heights: vec![0.0; (size[0] + 2 * PAD) * size[1] + 16] }
+        let last = full.map(|count| (count - 1) as f64);
+        Level { size, lattice: Lattice { scale, shift, last }, heights: vec![0.0; (size[0] + 2 * PAD) * size[1] + 16] }
     }
 
     /// Heights 0 for bringing a level back to at least twice its own resolution: by a power of two of the field's, at least an
@@ -70,6 +76,15 @@ impl Level {
     pub(crate) fn rows_mut(&mut self, rows: &Range<usize>) -> &mut [f32] {
         let stride = self.stride();
         &mut self.heights[rows.start * stride..rows.end * stride]
+    }
+
+    /// The rows from the first to the last that differ from a field's of as many.
+    pub(crate) fn changed(&self, field: &HeightField) -> Option<Range<usize>> {
+        let columns = self.size[0];
+        let differs = |row: &usize| self.row(*row) != &field.heights()[row * columns..][..columns];
+        let mut rows = (0..self.size[1]).filter(differs);
+        let first = rows.next()?;
+        Some(first..rows.next_back().unwrap_or(first) + 1)
     }
 
     /// Takes rows of a field's heights.
@@ -113,15 +128,12 @@ impl Level {
     /// Of `count` points a vertex apart, from one in grid coordinates of the field on along x, those on the field.
     #[inline(always)]
     pub(crate) fn inside(&self, x: f64, y: f64, count: usize) -> Range<usize> {
-        /// In cells: what rounding takes off the border is on it.
-        const NEAR: f64 = 1e-6;
-        let Lattice { scale, shift } = self.lattice;
-        let last = [0, 1].map(|axis| (self.size[axis] as f64 - 2.0 * shift[axis]) / scale[axis] - 1.0 + NEAR);
-        if y < -NEAR || y > last[1] {
+        let last = self.lattice.last;
+        if y < -NEAR || y > last[1] + NEAR {
             return 0..0;
         }
         let first = (-NEAR - x).ceil().clamp(0.0, count as f64);
-        let end = ((last[0] - x).floor() + 1.0).clamp(first, count as f64);
+        let end = ((last[0] + NEAR - x).floor() + 1.0).clamp(first, count as f64);
         first as usize..end as usize
     }
 

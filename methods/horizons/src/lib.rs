@@ -22,6 +22,7 @@ mod march;
 mod pyramid;
 mod ray;
 mod runs;
+mod spots;
 pub mod study;
 mod sweep;
 
@@ -83,10 +84,19 @@ pub struct Work {
     pub bytes: f64,
 }
 
+/// What an update made again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Made {
+    /// Levels of heights of which rows were made.
+    pub levels: usize,
+    /// Azimuths that were aimed at, or swept under.
+    pub azimuths: usize,
+}
+
 /// A height field of which horizons are asked.
 pub trait Horizons: Send + Sync {
     /// Takes a field and the azimuths that will be asked. What did not change since the last call is not made again.
-    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]);
+    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) -> Made;
 
     /// Elevations of the horizon as seen from points of the surface, under some of the azimuths of the last
     /// [`Horizons::update`]: those of all points under the first azimuth, then those under the next, and so on.

@@ -25,8 +25,6 @@ pub(crate) fn shares<V: Lanes<Scalar = f32>, const T: usize>(t: V) -> [V; T] {
     if T == 2 {
         shares[0] = u;
     } else {
-        let inner = |t: V| t.mul(t).mul(t.mul_add(V::constant(0.5), V::constant(-1.0))).add(V::constant(2.0 / 3.0));
-        let outer = |t: V| t.mul(t).mul(t).mul(V::constant(1.0 / 6.0));
         shares[0] = outer(u);
         shares[1] = inner(t);
         shares[2] = inner(u);
@@ -35,8 +33,77 @@ pub(crate) fn shares<V: Lanes<Scalar = f32>, const T: usize>(t: V) -> [V; T] {
     shares
 }
 
+#[inline(always)]
+fn inner<V: Lanes<Scalar = f32>>(t: V) -> V {
+    t.mul(t).mul(t.mul_add(V::constant(0.5), V::constant(-1.0))).add(V::constant(2.0 / 3.0))
+}
+
+#[inline(always)]
+fn outer<V: Lanes<Scalar = f32>>(t: V) -> V {
+    t.mul(t).mul(t).mul(V::constant(1.0 / 6.0))
+}
+
+/// What takes heights.
+pub(crate) trait Sink<V> {
+    /// Takes those of the receivers from one on.
+    fn put(&mut self, heights: V, receiver: usize);
+}
+
+/// The heights themselves.
+pub(crate) struct Heights<'a>(pub(crate) &'a mut [f32]);
+
+impl<V: Lanes<Scalar = f32>> Sink<V> for Heights<'_> {
+    #[inline(always)]
+    fn put(&mut self, heights: V, receiver: usize) {
+        store(heights, self.0, receiver);
+    }
+}
+
+/// How steep it is from the receivers' own heights up to others.
+pub(crate) struct Slopes<'a> {
+    pub(crate) own: &'a [f32],
+    /// 1 over the distance.
+    pub(crate) inverse: f32,
+    pub(crate) out: &'a mut [f32],
+}
+
+impl<V: Lanes<Scalar = f32>> Sink<V> for Slopes<'_> {
+    #[inline(always)]
+    fn put(&mut self, heights: V, receiver: usize) {
+        store(heights.sub(load(self.own, receiver)).mul(V::splat(self.inverse)), self.out, receiver);
+    }
+}
+
+/// The steepest slopes so far.
+pub(crate) struct Steepest<'a>(pub(crate) Slopes<'a>);
+
+impl<V: Lanes<Scalar = f32>> Sink<V> for Steepest<'_> {
+    #[inline(always)]
+    fn put(&mut self, heights: V, receiver: usize) {
+        let Slopes { own, inverse, ref mut out } = self.0;
+        let slopes = heights.sub(load(own, receiver)).mul(V::splat(inverse));
+        store(slopes.max(load(out, receiver)), out, receiver);
+    }
+}
+
 /// The numbers of lanes.
 const NUMBERS: [f32; 16] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
+/// Lanes of 16 entries from a place on.
+#[inline(always)]
+fn part<V: Lanes<Scalar = f32>>(from: &[f32], at: usize, lane: usize) -> V {
+    V::load(from[at..at + 16].try_into().expect("16 entries"), lane / V::WIDTH)
+}
+
+/// The sum of each receiver's samples by their shares, of 16 the one with a number and those after it.
+#[inline(always)]
+fn pick<V: Lanes<Scalar = f32>, const T: usize>(window: &[f32; 16], sample: V, along: [V; T]) -> V {
+    let mut sum = sample.select_from(window).mul(along[0]);
+    for (tap, share) in along.into_iter().enumerate().skip(1) {
+        sum = sample.add(V::constant(tap as f64)).select_from(window).mul_add(share, sum);
+    }
+    sum
+}
 
 /// A level along receivers that lie a vertex apart on a row of the field, reconstructed from `T · T` samples. Beyond its border it
 /// goes on as it ends there.
@@ -59,15 +126,19 @@ impl<'l, const T: usize> Line<'l, T> {
     /// From a point in grid coordinates of the field on, which may lie outside.
     #[inline(always)]
     pub(crate) fn new(level: &'l Level, x: f64, y: f64) -> Self {
-        let Lattice { scale, shift } = level.lattice;
-        Self::seen(level, scale, x + shift[0] / scale[0], y + shift[1] / scale[1])
+        let Lattice { scale, shift, .. } = level.lattice;
+        Self::among(level, scale, (x + 0.5) * scale[0] + shift[0] - 0.5, (y + 0.5) * scale[1] + shift[1] - 0.5)
     }
 
     /// From a point in coordinates of a grid with `scale` samples of the level in the length of one of its own.
     #[inline(always)]
     pub(crate) fn seen(level: &'l Level, scale: [f64; 2], x: f64, y: f64) -> Self {
-        let along = (x + 0.5) * scale[0] - 0.5;
-        let across = (y + 0.5) * scale[1] - 0.5;
+        Self::among(level, scale, (x + 0.5) * scale[0] - 0.5, (y + 0.5) * scale[1] - 0.5)
+    }
+
+    /// From a point in coordinates of the level's samples on.
+    #[inline(always)]
+    fn among(level: &'l Level, scale: [f64; 2], along: f64, across: f64) -> Self {
         let across = across.clamp(-2.0, level.size[1] as f64 + 1.0);
         let (whole, below) = (along.floor(), across.floor());
         let (first, last) = (below as isize - Self::BEFORE as isize, level.size[1] as isize - 1);
@@ -83,37 +154,122 @@ impl<'l, const T: usize> Line<'l, T> {
         }
     }
 
-    /// Writes `times` the height less `minus` for some receivers, a few lanes more than `count`.
+    /// Gives the heights at some receivers away, a few lanes more than `count`.
     #[inline(always)]
-    pub(crate) fn write<V: Lanes<Scalar = f32>>(&self, count: usize, minus: &[f32], times: f32, out: &mut [f32]) {
+    pub(crate) fn write<V: Lanes<Scalar = f32>>(&self, count: usize, sink: &mut impl Sink<V>) {
         let width = V::WIDTH as f32;
         let near = (width - 1.0) * self.step + T as f32 <= 15.0;
         if self.step == 1.0 {
-            let along = shares::<V, T>(V::splat(self.fraction));
-            for receiver in (0..count).step_by(V::WIDTH) {
-                let height: V = self.shifted(self.inside(receiver as isize), along);
-                store(height.sub(load(minus, receiver)).mul(V::splat(times)), out, receiver);
-            }
+            self.shifted(count, sink);
         } else if near && (width * self.step).fract() == 0.0 {
-            // Every register's receivers lie among their samples as the first's do.
-            let (sample, along) = self.among(self.fraction);
-            for receiver in (0..count).step_by(V::WIDTH) {
-                let first = self.inside((receiver as f32 * self.step) as isize);
-                let height: V = self.picked(first, sample, along);
-                store(height.sub(load(minus, receiver)).mul(V::splat(times)), out, receiver);
-            }
+            self.alike(count, sink);
         } else {
             for receiver in (0..count).step_by(V::WIDTH) {
                 let start = self.fraction + receiver as f32 * self.step;
                 let whole = start.floor();
-                let (sample, along) = self.among(start - whole);
+                let (sample, along) = self.places(start - whole);
                 let first = self.inside(whole as isize);
                 let height: V = match near {
                     true => self.picked(first, sample, along),
                     false => self.picked_apart(first, sample, along),
                 };
-                store(height.sub(load(minus, receiver)).mul(V::splat(times)), out, receiver);
+                sink.put(height, receiver);
             }
+        }
+    }
+
+    /// Of some registers, each `advance` samples after the one before, those that find all of theirs in the rows and their padding. All
+    /// others see the rows' ends alone.
+    #[inline(always)]
+    fn within(&self, registers: usize, advance: isize) -> std::ops::Range<usize> {
+        let before = (-BEYOND - self.first).max(0);
+        let until = (self.columns + 2 - self.first).max(0);
+        let end = ((until + advance - 1) / advance).min(registers as isize) as usize;
+        (((before + advance - 1) / advance) as usize).min(end)..end
+    }
+
+    /// The height beyond an end of the rows.
+    #[inline(always)]
+    fn end(&self, column: usize) -> f32 {
+        self.rows.iter().zip(self.shares).map(|(row, share)| self.heights[row + column] * share).sum()
+    }
+
+    /// Gives away the height beyond an end of the rows.
+    #[inline(always)]
+    fn beyond<V: Lanes<Scalar = f32>>(
+        &self,
+        registers: std::ops::Range<usize>,
+        column: usize,
+        sink: &mut impl Sink<V>,
+    ) {
+        if registers.is_empty() {
+            return;
+        }
+        let end = V::splat(self.end(column));
+        for register in registers {
+            sink.put(end, register * V::WIDTH);
+        }
+    }
+
+    /// The rows from a register's samples on, for so many samples and a register.
+    #[inline(always)]
+    fn from(&self, start: isize, samples: usize) -> [&'l [f32]; T] {
+        self.rows.map(|row| &self.heights[row.wrapping_add_signed(self.first + start)..][..samples + 16])
+    }
+
+    /// Samples lie as far apart as receivers: each one's follow those of the one before.
+    #[inline(always)]
+    fn shifted<V: Lanes<Scalar = f32>>(&self, count: usize, sink: &mut impl Sink<V>) {
+        let registers = count.div_ceil(V::WIDTH);
+        let within = self.within(registers, V::WIDTH as isize);
+        self.beyond(0..within.start, 0, sink);
+        self.beyond(within.end..registers, (self.columns - 1) as usize, sink);
+        if within.is_empty() {
+            return;
+        }
+        let along = shares::<V, T>(V::splat(self.fraction));
+        let mut weights = [along; T];
+        for (weights, across) in weights.iter_mut().zip(self.shares) {
+            for weight in weights {
+                *weight = weight.mul(V::splat(across));
+            }
+        }
+        let start = within.start * V::WIDTH;
+        let rows = self.from(start as isize, within.len() * V::WIDTH + T);
+        for at in (0..within.len() * V::WIDTH).step_by(V::WIDTH) {
+            let mut sum = V::constant(0.0);
+            for (row, weights) in rows.iter().zip(&weights) {
+                for (tap, weight) in weights.iter().enumerate() {
+                    sum = load::<V>(row, at + tap).mul_add(*weight, sum);
+                }
+            }
+            sink.put(sum, start + at);
+        }
+    }
+
+    /// A register's receivers lie among their samples, no more than 16, as those of any other do.
+    #[inline(always)]
+    fn alike<V: Lanes<Scalar = f32>>(&self, count: usize, sink: &mut impl Sink<V>) {
+        let (registers, advance) = (count.div_ceil(V::WIDTH), (V::WIDTH as f32 * self.step) as usize);
+        let within = self.within(registers, advance as isize);
+        self.beyond(0..within.start, 0, sink);
+        self.beyond(within.end..registers, (self.columns - 1) as usize, sink);
+        if within.is_empty() {
+            return;
+        }
+        let (sample, along) = self.places::<V>(self.fraction);
+        let rows = self.from((within.start * advance) as isize, within.len() * advance);
+        for (number, register) in within.enumerate() {
+            let mut window = [0.0; 16];
+            for lane in (0..16).step_by(V::WIDTH) {
+                let at = number * advance;
+                let mut blend = V::constant(0.0);
+                for (row, share) in rows.iter().zip(self.shares) {
+                    blend = part::<V>(row, at, lane).mul_add(V::splat(share), blend);
+                }
+                blend.store(&mut window, lane / V::WIDTH);
+            }
+            sink.put(pick(&window, sample, along), register * V::WIDTH);
         }
     }
 
@@ -125,20 +281,10 @@ impl<'l, const T: usize> Line<'l, T> {
 
     /// The number of each receiver's first sample after the first one's, and the shares of its samples.
     #[inline(always)]
-    fn among<V: Lanes<Scalar = f32>>(&self, fraction: f32) -> (V, [V; T]) {
+    fn places<V: Lanes<Scalar = f32>>(&self, fraction: f32) -> (V, [V; T]) {
         let at = V::load(&NUMBERS, 0).mul_add(V::splat(self.step), V::splat(fraction));
         let sample = at.floor();
         (sample, shares(at.sub(sample)))
-    }
-
-    /// Each receiver's samples follow those of the one before.
-    #[inline(always)]
-    fn shifted<V: Lanes<Scalar = f32>>(&self, first: isize, along: [V; T]) -> V {
-        let mut sum = self.blended::<V>(first, 0).mul(along[0]);
-        for (tap, share) in along.into_iter().enumerate().skip(1) {
-            sum = self.blended::<V>(first, tap).mul_add(share, sum);
-        }
-        sum
     }
 
     /// The samples of all receivers lie within 16.
@@ -148,11 +294,7 @@ impl<'l, const T: usize> Line<'l, T> {
         for lane in (0..16).step_by(V::WIDTH) {
             self.blended::<V>(first, lane).store(&mut window, lane / V::WIDTH);
         }
-        let mut sum = V::constant(0.0);
-        for (tap, share) in along.into_iter().enumerate() {
-            sum = sample.add(V::constant(tap as f64)).select_from(&window).mul_add(share, sum);
-        }
-        sum
+        pick(&window, sample, along)
     }
 
     /// The first samples of all receivers lie within 16.

@@ -8,8 +8,8 @@ use halflight_sh_kernels::Simd;
 use crate::level::Level;
 use crate::pyramid::Scale;
 use crate::ray::{Border, Rays, Step, steps};
-use crate::runs::runs;
-use crate::{Azimuth, Horizons, Points, Work};
+use crate::runs::groups;
+use crate::{Azimuth, Horizons, Made, Points, Work};
 
 /// The paper's number of samples.
 const SAMPLES: usize = 145;
@@ -64,29 +64,41 @@ impl March {
 }
 
 impl Horizons for March {
-    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) {
+    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) -> Made {
         let size = [field.columns(), field.rows()];
-        let old = self.heights.take().filter(|level| level.size == size);
+        let cell = field.cell().to_array();
+        let old = self.heights.take().filter(|level| level.size == size && self.cell == cell);
+        if old.is_none() {
+            (self.cell, self.top, self.azimuths) = (cell, 0.0, Vec::new());
+        }
         let mut level = old.unwrap_or_else(|| Level::new(size, size));
-        level.copy(field, &(0..size[1]));
+        let mut made = Made::default();
+        if let Some(rows) = level.changed(field) {
+            level.copy(field, &rows);
+            self.top = field.heights().iter().copied().fold(f32::MIN, f32::max);
+            made.levels = 1;
+        }
         self.heights = Some(level);
-        self.top = field.heights().iter().copied().fold(f32::MIN, f32::max);
-        self.cell = field.cell().to_array();
+        if self.azimuths.iter().map(|(azimuth, _)| azimuth).eq(azimuths) {
+            return made;
+        }
         let longest = (0..2).map(|axis| size[axis] as f64 * f64::from(self.cell[axis])).fold(0.0, f64::max);
         let distances = || (1..=self.samples).map(|sample| (0, longest * sample as f64 / self.samples as f64));
         let aimed = azimuths.iter().map(|azimuth| (*azimuth, steps(azimuth.angle, self.cell, distances())));
         self.azimuths = aimed.collect();
+        Made { azimuths: azimuths.len(), ..made }
     }
 
     fn elevations(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]) {
         assert_eq!(out.len(), at.len() * azimuths.len(), "an entry for every point and azimuth");
         let level = self.level();
         let mut rays = Rays::<2>::new(std::slice::from_ref(level), self.border, self.simd);
-        for run in runs(at, level.size) {
-            rays.stand(run, 0);
+        for group in groups(at, level.size) {
+            let (first, count) = (group.first, group.count);
+            rays.stand(group, 0);
             for (index, (_, steps)) in self.azimuths[azimuths.clone()].iter().enumerate() {
                 let elevations = rays.look(steps, Scale::Linear);
-                out[index * at.len() + run.first..][..run.count].copy_from_slice(elevations);
+                out[index * at.len() + first..][..count].copy_from_slice(elevations);
             }
         }
     }
@@ -97,9 +109,10 @@ impl Horizons for March {
         let level = self.level();
         let (_, steps) = &self.azimuths[azimuth];
         let mut rays = Rays::<2>::new(std::slice::from_ref(level), self.border, self.simd);
-        for run in runs(at, level.size) {
-            rays.stand(run, 0);
-            let out = &mut out[run.first..][..run.count];
+        for group in groups(at, level.size) {
+            let (first, count) = (group.first, group.count);
+            rays.stand(group, 0);
+            let out = &mut out[first..][..count];
             out.fill(false);
             // The steepest that anything at a distance could be seen under.
             let rise = self.top - rays.lowest(0);

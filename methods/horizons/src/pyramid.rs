@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::level::Level;
 use crate::ray::{Border, Rays, Step, sample, steps};
-use crate::runs::runs;
-use crate::{Azimuth, Horizons, Points, Purpose, Work};
+use crate::runs::groups;
+use crate::{Azimuth, Horizons, Made, Points, Purpose, Work};
 
 /// Between scales: how angles at the pyramid's distances become a function of distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,12 +41,12 @@ pub struct Reconstruction {
 /// Where the reconstruction in the plane happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
-    /// Levels stay decimated and are reconstructed where they are looked at: about 3.4 times the field's size at 4 levels an
-    /// octave.
-    Decimated,
     /// Every level is brought back once to at least twice its own resolution, by a power of two of the field's, and looked at
-    /// bilinearly ("multiple image arrays", §6): about 14 times.
+    /// bilinearly ("multiple image arrays", §6): about 14 times the field's size at 4 levels an
+    /// octave.
     Octaves,
+    /// Levels stay decimated and are reconstructed where they are looked at: about 3.4 times.
+    Decimated,
     /// Every level is brought back to the field's resolution, as the paper's GPU does: once a level.
     Full,
 }
@@ -160,11 +160,12 @@ impl Pyramid {
         };
         let mut rays = Rays::<T>::new(levels, self.border, self.simd);
         let coarsest = self.looked_at(0);
-        for run in runs(at, finest.size) {
-            rays.stand(run, coarsest);
+        for group in groups(at, finest.size) {
+            let (first, count) = (group.first, group.count);
+            rays.stand(group, coarsest);
             for (index, (azimuth, steps)) in self.azimuths[azimuths.clone()].iter().enumerate() {
                 let elevations = rays.look(steps, scale(*azimuth));
-                out[index * at.len() + run.first..][..run.count].copy_from_slice(elevations);
+                out[index * at.len() + first..][..count].copy_from_slice(elevations);
             }
         }
     }
@@ -179,15 +180,6 @@ impl Pyramid {
     fn fits(&self, field: &HeightField) -> bool {
         let finest = self.levels.last().map(|level| level.size);
         finest == Some([field.columns(), field.rows()]) && self.cell == field.cell().to_array()
-    }
-
-    /// The rows from the first to the last that differ from the finest level's.
-    fn changed(&self, field: &HeightField) -> Option<Range<usize>> {
-        let finest = &self.levels[self.levels.len() - 1];
-        let differs = |row: &usize| finest.row(*row) != &field.heights()[row * field.columns()..][..field.columns()];
-        let mut rows = (0..field.rows()).filter(differs);
-        let first = rows.next()?;
-        Some(first..rows.next_back().unwrap_or(first) + 1)
     }
 
     /// Levels for a field's grid.
@@ -220,8 +212,9 @@ impl Pyramid {
         self.azimuths = aimed.collect();
     }
 
-    /// Takes the rows of heights that differ, and makes again what depends on them.
-    fn take(&mut self, field: &HeightField, mut rows: Range<usize>) {
+    /// Takes the rows of heights that differ, and makes again what depends on them: rows of so many levels.
+    fn take(&mut self, field: &HeightField, mut rows: Range<usize>) -> usize {
+        let mut made = 0;
         for index in (0..self.levels.len()).rev() {
             let (coarser, finer) = self.levels.split_at_mut(index + 1);
             let level = &mut coarser[index];
@@ -235,7 +228,9 @@ impl Pyramid {
             if let Some(back) = self.full.get_mut(index) {
                 bring_back(level, &rows, self.settings.reconstruction.plane, self.simd, back);
             }
+            made += usize::from(!rows.is_empty());
         }
+        made
     }
 }
 
@@ -276,20 +271,20 @@ impl Spacing {
 }
 
 impl Horizons for Pyramid {
-    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) {
+    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) -> Made {
         let changed = match self.fits(field) {
-            true => self.changed(field),
+            true => self.levels[self.levels.len() - 1].changed(field),
             false => {
                 self.shape(field);
                 Some(0..field.rows())
             }
         };
-        if let Some(rows) = changed {
-            self.take(field, rows);
-        }
+        let mut made = Made { levels: changed.map_or(0, |rows| self.take(field, rows)), azimuths: 0 };
         if !self.azimuths.iter().map(|(azimuth, _)| azimuth).eq(azimuths) {
             self.aim(azimuths);
+            made.azimuths = azimuths.len();
         }
+        made
     }
 
     fn elevations(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]) {

@@ -1,15 +1,15 @@
 //! The horizon of a run of receivers from height differences at growing or shrinking distances.
 
+use std::ops::Range;
+
 use halflight_sh_kernels::{Lanes, Simd, Task, run};
 
 use crate::arctangent::arctangent;
 use crate::level::{Lattice, Level, PAD, pad};
-use crate::line::{Line, load, store};
+use crate::line::{Heights, Line, Sink, Slopes, Steepest, load, store};
 use crate::pyramid::Scale;
-use crate::runs::{RUN, Run};
-
-/// A run's entries and those that a register may write beyond.
-const ROOM: usize = RUN + 16;
+use crate::runs::{Group, Place, ROOM, RUN};
+use crate::spots;
 
 /// A height difference to take.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +49,7 @@ pub(crate) struct Rays<'l, const T: usize> {
     levels: &'l [Level],
     simd: Simd,
     border: Border,
-    run: Run,
+    group: Group,
     /// The receivers' heights, [`RUN`] a level.
     own: Vec<f32>,
     /// Tangents of a look, [`RUN`] a step.
@@ -60,28 +60,33 @@ pub(crate) struct Rays<'l, const T: usize> {
 impl<'l, const T: usize> Rays<'l, T> {
     pub(crate) fn new(levels: &'l [Level], border: Border, simd: Simd) -> Self {
         let own = vec![0.0; RUN * levels.len() + 16];
-        let nowhere = Run { start: [0.0; 2], first: 0, count: 0 };
-        Rays { levels, simd, border, run: nowhere, own, tangents: Vec::new(), elevations: Box::new([0.0; ROOM]) }
+        let group = Group { first: 0, count: 0, place: Place::Row([0.0; 2]) };
+        Rays { levels, simd, border, group, own, tangents: Vec::new(), elevations: Box::new([0.0; ROOM]) }
     }
 
     /// Goes to receivers; only the levels from `first` on will be asked.
-    pub(crate) fn stand(&mut self, at: Run, first: usize) {
-        self.run = at;
-        run(self.simd, Stand::<T> { levels: &self.levels[first..], run: at, own: &mut self.own[first * RUN..] });
+    pub(crate) fn stand(&mut self, group: Group, first: usize) {
+        self.group = group;
+        let (levels, own) = (&self.levels[first..], &mut self.own[first * RUN..]);
+        run(self.simd, Stand::<T> { levels, group: &self.group, own });
     }
 
     /// The least of the receivers' heights in metres in a level.
     pub(crate) fn lowest(&self, level: usize) -> f32 {
-        self.own[level * RUN..][..self.run.count].iter().copied().fold(f32::MAX, f32::min)
+        self.own[level * RUN..][..self.group.count].iter().copied().fold(f32::MAX, f32::min)
     }
 
     /// Elevations of the receivers' horizon over the steps of an azimuth, within `[0, π/2]`.
     pub(crate) fn look(&mut self, steps: &[Step], scale: Scale) -> &[f32] {
-        self.tangents.resize(steps.len() * RUN + 16, 0.0);
+        let rows = match scale {
+            Scale::Linear => 1,
+            Scale::BSpline => steps.len(),
+        };
+        self.tangents.resize(self.tangents.len().max(rows * RUN + 16), 0.0);
         let look = Look::<T> {
             levels: self.levels,
             border: self.border,
-            run: self.run,
+            group: &self.group,
             steps,
             own: &self.own,
             scale,
@@ -89,22 +94,26 @@ impl<'l, const T: usize> Rays<'l, T> {
             out: &mut self.elevations,
         };
         run(self.simd, look);
-        &self.elevations[..self.run.count]
+        &self.elevations[..self.group.count]
     }
 }
 
 struct Stand<'a, const T: usize> {
     levels: &'a [Level],
-    run: Run,
+    group: &'a Group,
     own: &'a mut [f32],
 }
 
 impl<const T: usize> Task<f32> for Stand<'_, T> {
     #[inline(always)]
     fn run<V: Lanes<Scalar = f32>>(self) {
-        let [x, y] = self.run.start;
+        let count = self.group.count;
         for (number, level) in self.levels.iter().enumerate() {
-            Line::<T>::new(level, x, y).write::<V>(self.run.count, &[0.0; ROOM], 1.0, &mut self.own[number * RUN..]);
+            let mut own = Heights(&mut self.own[number * RUN..]);
+            match &self.group.place {
+                Place::Row([x, y]) => Line::<T>::new(level, *x, *y).write::<V>(count, &mut own),
+                Place::Spots(at) => spots::write::<V, T>(level, at, [0.0; 2], count, None, &mut own),
+            }
         }
     }
 }
@@ -112,36 +121,36 @@ impl<const T: usize> Task<f32> for Stand<'_, T> {
 struct Look<'a, const T: usize> {
     levels: &'a [Level],
     border: Border,
-    run: Run,
+    group: &'a Group,
     steps: &'a [Step],
     own: &'a [f32],
     scale: Scale,
+    /// Those of all steps; or the steepest.
     tangents: &'a mut [f32],
     out: &'a mut [f32; ROOM],
 }
 
 impl<const T: usize> Task<f32> for Look<'_, T> {
     #[inline(always)]
-    fn run<V: Lanes<Scalar = f32>>(self) {
-        let [x, y] = self.run.start;
-        let count = self.run.count;
-        for (number, step) in self.steps.iter().enumerate() {
-            let (level, tangents) = (&self.levels[step.level], &mut self.tangents[number * RUN..]);
-            let [x, y] = [x + step.offset[0], y + step.offset[1]];
-            let seen = match self.border {
-                Border::Extend => 0..count,
-                Border::Open => level.inside(x, y, count),
-            };
-            if !seen.is_empty() {
-                Line::<T>::new(level, x, y).write::<V>(count, &self.own[step.level * RUN..], step.inverse, tangents);
+    fn run<V: Lanes<Scalar = f32>>(mut self) {
+        let count = self.group.count;
+        match self.scale {
+            Scale::Linear => {
+                self.tangents[..RUN + 16].fill(0.0);
+                for step in self.steps {
+                    self.raise::<V>(step);
+                }
             }
-            tangents[..seen.start].fill(0.0);
-            tangents[seen.end..count].fill(0.0);
+            Scale::BSpline => {
+                for (number, step) in self.steps.iter().enumerate() {
+                    self.slopes::<V>(step, number);
+                }
+            }
         }
         let (zero, right) = (V::constant(0.0), V::splat(std::f32::consts::FRAC_PI_2));
         for receiver in (0..count).step_by(V::WIDTH) {
             let elevation = match self.scale {
-                Scale::Linear => arctangent(steepest::<V>(self.tangents, self.steps.len(), receiver)),
+                Scale::Linear => arctangent(load::<V>(self.tangents, receiver)),
                 Scale::BSpline => smooth::<V>(self.tangents, self.steps.len(), receiver),
             };
             store(elevation.max(zero).min(right), self.out, receiver);
@@ -149,14 +158,68 @@ impl<const T: usize> Task<f32> for Look<'_, T> {
     }
 }
 
-/// The greatest tangent, at least 0: what is linear between knots is greatest at one, and the arctangent is monotonic.
-#[inline(always)]
-fn steepest<V: Lanes<Scalar = f32>>(tangents: &[f32], steps: usize, receiver: usize) -> V {
-    let mut steepest = V::constant(0.0);
-    for step in 0..steps {
-        steepest = load::<V>(tangents, step * RUN + receiver).max(steepest);
+impl<const T: usize> Look<'_, T> {
+    /// Raises the steepest tangents to those of a step: what is linear between knots is greatest at one, and the arctangent is monotonic.
+    #[inline(always)]
+    fn raise<V: Lanes<Scalar = f32>>(&mut self, step: &Step) {
+        let seen = self.seen(step);
+        let mut after = [0.0; 16];
+        after.copy_from_slice(&self.tangents[seen.end..][..16]);
+        let (own, out) = (&self.own[step.level * RUN + seen.start..], &mut self.tangents[seen.start..]);
+        let mut steepest = Steepest(Slopes { own, inverse: step.inverse, out });
+        reach::<V, T>(self.levels, self.border, self.group, step, seen.clone(), own, &mut steepest);
+        // The last register's receivers that do not see it.
+        self.tangents[seen.end..][..16].copy_from_slice(&after);
     }
-    steepest
+
+    /// Writes the tangents of a step, 0 where it leads beyond an open border.
+    #[inline(always)]
+    fn slopes<V: Lanes<Scalar = f32>>(&mut self, step: &Step, row: usize) {
+        let seen = self.seen(step);
+        let (own, out) = (&self.own[step.level * RUN + seen.start..], &mut self.tangents[row * RUN + seen.start..]);
+        let mut slopes = Slopes { own, inverse: step.inverse, out };
+        reach::<V, T>(self.levels, self.border, self.group, step, seen.clone(), own, &mut slopes);
+        let tangents = &mut self.tangents[row * RUN..][..self.group.count];
+        tangents[..seen.start].fill(0.0);
+        tangents[seen.end..].fill(0.0);
+    }
+
+    /// The receivers from which a step leads to what can be seen, where that is told by their row.
+    #[inline(always)]
+    fn seen(&self, step: &Step) -> Range<usize> {
+        match (self.border, &self.group.place) {
+            (Border::Open, Place::Row([x, y])) => {
+                self.levels[step.level].inside(x + step.offset[0], y + step.offset[1], self.group.count)
+            }
+            _ => 0..self.group.count,
+        }
+    }
+}
+
+/// Gives away the heights that a step leads to from some of the receivers, whose own heights are `own`.
+#[inline(always)]
+fn reach<V: Lanes<Scalar = f32>, const T: usize>(
+    levels: &[Level],
+    border: Border,
+    group: &Group,
+    step: &Step,
+    seen: Range<usize>,
+    own: &[f32],
+    sink: &mut impl Sink<V>,
+) {
+    let level = &levels[step.level];
+    match &group.place {
+        Place::Row(_) if seen.is_empty() => {}
+        Place::Row([x, y]) => {
+            let x = x + seen.start as f64 + step.offset[0];
+            Line::<T>::new(level, x, y + step.offset[1]).write::<V>(seen.len(), sink);
+        }
+        Place::Spots(at) => {
+            // As high as the receiver: level.
+            let beyond = if border == Border::Open { Some(own) } else { None };
+            spots::write::<V, T>(level, at, step.offset, group.count, beyond, sink);
+        }
+    }
 }
 
 /// The greatest value at knots and half knots of the B-spline over the steps' angles (eqs. 3 to 5). At either end of scale
@@ -213,7 +276,7 @@ impl<const T: usize> Task<f32> for Sample<'_, T> {
         let count = self.padded.len() - 2 * PAD;
         for first in (0..count).step_by(RUN) {
             let line = Line::<T>::seen(self.from, scale, first as f64 - self.to.shift[0], y);
-            line.write::<V>(RUN.min(count - first), &[0.0; ROOM], 1.0, &mut self.padded[PAD + first..]);
+            line.write::<V>(RUN.min(count - first), &mut Heights(&mut self.padded[PAD + first..]));
         }
         pad(self.padded);
     }

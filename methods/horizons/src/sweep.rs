@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::hull::Lines;
 use crate::runs::{Run, runs};
-use crate::{Azimuth, Horizons, Points, Work};
+use crate::{Azimuth, Horizons, Made, Points, Work};
 
 /// Horizons by sweeping: for each azimuth, parallel lines through the field, one a vertex across; along each line a stack holds
 /// the upper convex hull of what lies ahead, whose tangent from a sample is the horizon there, at an amortised constant cost.
@@ -50,7 +50,7 @@ impl Sweep {
 }
 
 impl Horizons for Sweep {
-    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) {
+    fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) -> Made {
         let (size, simd) = ([field.columns(), field.rows()], self.simd);
         let cell = field.cell().to_array();
         if self.size != size || self.cell != cell || self.heights != field.heights() {
@@ -65,6 +65,7 @@ impl Horizons for Sweep {
             (*azimuth, place.map(|place| known.swap_remove(place).1))
         });
         let maps: Vec<(Azimuth, Option<Vec<f32>>)> = kept.collect();
+        let made = maps.iter().filter(|(_, map)| map.is_none()).count();
         let heights = &self.heights;
         let turned = LazyLock::new(|| transposed(heights, size));
         let sweep = |azimuth: Azimuth| {
@@ -76,6 +77,7 @@ impl Horizons for Sweep {
         };
         let all = maps.into_par_iter().map(|(azimuth, map)| (azimuth, map.unwrap_or_else(|| sweep(azimuth))));
         self.maps = all.collect();
+        Made { levels: 0, azimuths: made }
     }
 
     fn elevations(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]) {

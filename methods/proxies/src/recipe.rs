@@ -90,7 +90,7 @@ fn decode(bytes: &[u8]) -> Option<SphereSet> {
     let (quads, left) = floats.as_chunks::<4>();
     let sphere = |[x, y, z, radius]: &[f32; 4]| Sphere { center: Vec3::new(*x, *y, *z), radius: *radius };
     let set = SphereSet { spheres: quads.iter().map(sphere).collect(), outside_volume: *outside_volume };
-    let sound = |s: &Sphere| s.center.is_finite() && s.radius.is_finite() && s.radius > 0.0;
+    let sound = |s: &Sphere| s.center.is_finite() && s.radius.is_finite() && s.radius >= 0.0;
     let whole = rest.is_empty() && left.is_empty() && set.outside_volume.is_finite() && set.outside_volume >= 0.0;
     (whole && set.spheres.iter().all(sound)).then_some(set)
 }

@@ -20,7 +20,7 @@ const LAST_ROUNDS: usize = 2;
 /// Spheres that bound an object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SphereSet {
-    /// Spheres in the object's rest position; radii are positive.
+    /// Spheres in the object's rest position; radii are not negative.
     pub spheres: Vec<Sphere>,
     /// Outside volume `Σ V(Sᵢ − T)` (Ren 2006, eq. 35) relative to the object's volume, finite. An object without an
     /// interior (a plane; a volume below a millionth of the other) is measured against the ball around its bounding

@@ -48,7 +48,7 @@ pub(super) fn read_exr(check: Checker, bytes: &[u8]) -> Result<HeightMap, SceneE
         .all_attributes()
         .non_parallel();
     match read.from_buffered(Cursor::new(bytes)) {
-        Ok(read) => checked(check, read.layer_data.channel_data.pixels),
+        Ok(read) => Ok(read.layer_data.channel_data.pixels),
         Err(exr::error::Error::NotSupported(_)) if oiio::BUILT_IN => oiio::heights(check),
         Err(error) => {
             let expected = "expected a whole file with a channel of heights";
@@ -57,13 +57,16 @@ pub(super) fn read_exr(check: Checker, bytes: &[u8]) -> Result<HeightMap, SceneE
     }
 }
 
-/// The map, if all of its heights are numbers within bounds.
-pub(super) fn checked(check: Checker, map: HeightMap) -> Result<HeightMap, SceneError> {
-    match map.heights.iter().position(|height| height.is_nan() || height.abs() > FAR) {
-        None => Ok(map),
-        Some(index) => {
-            let place = format!("texel ({}, {})", index % map.width, index / map.width);
-            Err(check.invalid(&place, "a finite height of at most 1e9 metres", map.heights[index]))
+impl HeightMap {
+    /// Whether all heights are numbers within bounds.
+    pub(crate) fn check(&self, check: Checker) -> Result<(), SceneError> {
+        match self.heights.iter().position(|height| height.is_nan() || height.abs() > FAR) {
+            None => Ok(()),
+            Some(index) => {
+                let place = format!("texel ({}, {})", index % self.width, index / self.width);
+                let expected = "a finite height of at most 1e9 metres, or a scene file whose `nodata` is that";
+                Err(check.invalid(&place, expected, self.heights[index]))
+            }
         }
     }
 }

@@ -12,6 +12,8 @@ pub(crate) struct HeightsFile {
     pub(crate) sha256: Option<String>,
     /// Heights of the black and the white of a PNG.
     pub(crate) range: Option<[f32; 2]>,
+    /// What a picture holds where it lacks a height, in metres or NaN.
+    pub(crate) nodata: Option<f32>,
     /// Vertices along x and y.
     pub(crate) resolution: Option<[usize; 2]>,
     pub(crate) ramp: Option<RampFile>,

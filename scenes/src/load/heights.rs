@@ -2,11 +2,12 @@
 
 mod fractal;
 mod generate;
+mod holes;
 
 use glam::{Vec2, Vec3};
 
 use crate::animation::{Growth, Swell, Wave};
-use crate::assets::{Assets, HeightMap};
+use crate::assets::{Asset, Assets, HeightMap};
 use crate::check::{Checker, FAR};
 use crate::format::{GrowFile, HeightsFile, ObjectFile};
 use crate::{HeightField, SceneError};
@@ -20,11 +21,12 @@ pub(super) fn load(
     assets: &Assets,
     field: &str,
     file: &HeightsFile,
+    notices: &mut Vec<String>,
 ) -> Result<HeightField, SceneError> {
     let [x, y] = file.cell.map(|side| check.positive(&format!("{field}.cell"), side));
     let cell = Vec2::new(x?, y?);
     let (size, heights) = match &file.file {
-        Some(_) => read(check, assets, field, file)?,
+        Some(_) => read(check, assets, field, file, notices)?,
         None => generate(check, field, file, cell)?,
     };
     Ok(HeightField::new(size, first_vertex(size, cell), cell, heights))
@@ -40,13 +42,19 @@ fn read(
     assets: &Assets,
     field: &str,
     file: &HeightsFile,
+    notices: &mut Vec<String>,
 ) -> Result<([usize; 2], Vec<f32>), SceneError> {
     let name = file.file.as_deref().unwrap_or_default();
     if file.resolution.is_some() || generate::any(file) {
         return Err(check.invalid(field, "either a file or a resolution with a generator", "both"));
     }
-    let mut map = assets.read(field, name, file.sha256.as_deref())?.height_map()?;
+    let asset = assets.read(field, name, file.sha256.as_deref())?;
+    let mut map = asset.height_map()?;
     stretch(check, field, file, &mut map)?;
+    if let Some(nodata) = file.nodata {
+        fill(check, field, nodata, &asset, &mut map, notices)?;
+    }
+    map.check(asset.check())?;
     let size = [map.width, map.height];
     check.ensure(map.width >= 2 && map.height >= 2, &format!("{field}.file"), "at least 2 x 2 heights", size)?;
     // The top row of a picture is the far edge, +y.
@@ -70,8 +78,28 @@ fn stretch(check: Checker, field: &str, file: &HeightsFile, map: &mut HeightMap)
     }
 }
 
+/// Heights that the picture lacks come from their neighbours.
+fn fill(
+    check: Checker,
+    field: &str,
+    nodata: f32,
+    asset: &Asset,
+    map: &mut HeightMap,
+    notices: &mut Vec<String>,
+) -> Result<(), SceneError> {
+    let nothing = || check.invalid(&format!("{field}.nodata"), "a value that not all of the picture has", nodata);
+    let filled = holes::fill(map.width, &mut map.heights, nodata).ok_or_else(nothing)?;
+    if filled > 0 {
+        let (file, all) = (asset.path.display(), map.heights.len());
+        notices.push(format!("{file}: {filled} of {all} heights without data: filled from their neighbours"));
+    }
+    Ok(())
+}
+
 fn generate(check: Checker, field: &str, file: &HeightsFile, cell: Vec2) -> Result<([usize; 2], Vec<f32>), SceneError> {
     check.ensure(file.sha256.is_none(), &format!("{field}.sha256"), "a hash only beside a file", &file.sha256)?;
+    check.ensure(file.range.is_none(), &format!("{field}.range"), "a range only beside a file", file.range)?;
+    check.ensure(file.nodata.is_none(), &format!("{field}.nodata"), "a value only beside a file", file.nodata)?;
     let place = format!("{field}.resolution");
     let missing = || check.invalid(&place, "vertices along x and y, since no file is given", "none");
     let size @ [columns, rows] = file.resolution.ok_or_else(missing)?;

@@ -162,7 +162,7 @@ impl Source<'_> {
                 Some(picture) => mesh::cells(size, picture.width, picture.height),
             }))
         } else if let Some(heights) = &file.heights {
-            super::heights::load(check, assets, &at("heights"), heights).map(Shape::Heights)
+            super::heights::load(check, assets, &at("heights"), heights, notices).map(Shape::Heights)
         } else {
             super::solids::load(check, &self.field, file).map(Shape::Mesh)
         }

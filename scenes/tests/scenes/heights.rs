@@ -1,8 +1,11 @@
 //! Height fields: generators, pictures of heights, receivers, and what is refused.
 
+use std::collections::HashSet;
+
 use exr::prelude::{SpecificChannels, WritableImage};
 use glam::{Vec2, Vec3};
-use halflight_scenes::{HeightField, Layout, Scene, Shape};
+use halflight_scenes::{HeightField, Layout, Revision, Scene, Shape, Which};
+use halflight_trace::Ray;
 
 use crate::folder::Folder;
 
@@ -182,13 +185,8 @@ fn waves_run_and_ground_grows_with_the_frames() {
             assert!((f64::from(position.z) - expected).abs() < 1e-5, "{index}: {position} for {expected}");
         }
         let mut hit = [None];
-        let down = halflight_trace::Ray {
-            origin: Vec3::new(0.1, 0.2, 20.0),
-            direction: -Vec3::Z,
-            t_min: 0.0,
-            t_max: f32::INFINITY,
-        };
-        scene.world(&frame, halflight_scenes::Which::All).closest(&[down], &mut hit);
+        let down = Ray { origin: Vec3::new(0.1, 0.2, 20.0), direction: -Vec3::Z, t_min: 0.0, t_max: f32::INFINITY };
+        scene.world(&frame, Which::All).closest(&[down], &mut hit);
         let Shape::Heights(now) = &*frame.objects[0].shape else { panic!("a field") };
         let surface = now.surface(2.1 / 0.5, 3.2) as f32;
         assert!((20.0 - hit[0].expect("a hit").t - surface).abs() < 1e-4, "rays meet the field as it is");
@@ -200,6 +198,53 @@ fn waves_run_and_ground_grows_with_the_frames() {
     let scene = load(&format!("{}{frames}", generated(grow)));
     let top = |index: usize| scene.frame(index).receivers.position.iter().map(|p| p.z).fold(0.0, f32::max);
     assert_eq!([0, 1, 2, 3].map(top), [2.0, 3.0, 4.0, 4.0]);
+}
+
+/// Per frame the field's heights, and its object's revision.
+fn heights_and_revisions(scene: &Scene) -> Vec<(Vec<f32>, Revision)> {
+    let of = |index| {
+        let frame = scene.frame(index);
+        let Shape::Heights(field) = &*frame.objects[0].shape else { panic!("a field") };
+        (field.heights().to_vec(), frame.objects[0].revision)
+    };
+    (0..scene.frame_count).map(of).collect()
+}
+
+#[test]
+fn revisions_change_exactly_when_heights_do() {
+    let frames = "[frames]\ncount = 6\nfps = 4.0\n";
+    let cone = "cone = { height = 4, radius = 2 }";
+    let cases = [
+        (cone.to_owned(), 1),
+        (format!("{cone}, grow = {{ from = 0, seconds = 0.75 }}"), 4),
+        (format!("{cone}, grow = {{ from = 1, seconds = 0.75 }}"), 1),
+        ("waves = [{ amplitude = 0.5, wavelength = 4 }]".to_owned(), 1),
+        ("waves = [{ amplitude = 0.5, wavelength = 4, speed = 2.1 }]".to_owned(), 6),
+    ];
+    for (generator, different) in cases {
+        let scene = load(&format!("{}{frames}", generated(&generator)));
+        let all = heights_and_revisions(&scene);
+        for (one, other) in all.iter().flat_map(|one| all.iter().map(move |other| (one, other))) {
+            assert_eq!(one.0 == other.0, one.1 == other.1, "{generator}");
+        }
+        let kinds: HashSet<u64> = all.iter().map(|(_, revision)| revision.0).collect();
+        assert_eq!(kinds.len(), different, "{generator}");
+        assert_eq!(heights_and_revisions(&load(&format!("{}{frames}", generated(&generator)))), all, "anew the same");
+    }
+}
+
+#[test]
+fn the_shipped_hills_grow_out_of_the_plane_and_then_stand() {
+    let scene = halflight_scenes::find("growing").unwrap();
+    let all = heights_and_revisions(&scene);
+    let most: Vec<f32> = all.iter().map(|(heights, _)| heights.iter().fold(0.0, |most, z| z.abs().max(most))).collect();
+    assert_eq!(most[0], 0.0);
+    for (frame, height) in most.iter().enumerate() {
+        let share = (frame as f32 / 4.0).min(1.0);
+        assert!((height - share * most[7]).abs() < 1e-4 && most[7] > 30.0, "{most:?}");
+    }
+    let still: Vec<bool> = all.windows(2).map(|pair| pair[0].1 == pair[1].1).collect();
+    assert_eq!(still, [false, false, false, false, true, true, true]);
 }
 
 fn refused(folder: &Folder, text: &str, place: &str, expected: &str) {
@@ -228,6 +273,9 @@ fn values_that_cannot_be() {
         (replaced("resolution = [9, 7], ", ""), "objects[0].heights.resolution: ", "no file is given"),
         (replaced("[0.5, 1.0]", "[0.5, 0.0]"), "objects[0].heights.cell: ", "positive"),
         (replaced("[0.5, 1.0]", "[0.5, nan]"), "objects[0].heights.cell: ", "positive"),
+        (replaced("[0.5, 1.0]", "[-0.5, 1.0]"), "objects[0].heights.cell: ", "positive"),
+        (replaced("[0.5, 1.0]", "[inf, 1.0]"), "objects[0].heights.cell: ", "positive"),
+        (replaced("height = 4", "height = inf"), "objects[0].heights.cone.height: ", "finite"),
         (replaced("height = 4", "height = nan"), "objects[0].heights.cone.height: ", "finite"),
         (replaced("radius = 2", "radius = -2"), "objects[0].heights.cone.radius: ", "positive"),
         (
@@ -248,6 +296,8 @@ fn values_that_cannot_be() {
         ),
         (replaced("cone", "wall = { height = 1 }, cone"), "objects[0].heights: ", "found [\"wall\", \"cone\"]"),
         (replaced("cone", "sha256 = \"00\", cone"), "objects[0].heights.sha256: ", "beside a file"),
+        (replaced("cone", "range = [0, 1], cone"), "objects[0].heights.range: ", "beside a file"),
+        (replaced("cone", "nodata = 0, cone"), "objects[0].heights.nodata: ", "beside a file"),
         (replaced("cone", "file = \"a.exr\", cone"), "objects[0].heights: ", "either a file or a resolution"),
         (replaced("cone = { height = 4", "cone = { hight = 4"), "", "unknown field `hight`"),
         (generated("ramp = { slope = 90 }"), "heights.ramp.slope: ", "below 90"),
@@ -283,6 +333,48 @@ fn values_that_cannot_be() {
         "plane = { size = [1, 1] }",
     );
     refused(&folder, &ball, "receivers.heights.object: ", "an object with heights");
+}
+
+#[test]
+fn the_narrowest_fields_have_receivers_and_are_hit() {
+    for (size, cell) in [([2, 2], [1.0, 1.0]), ([2, 40], [0.25, 8.0]), ([40, 2], [8.0, 0.25])] {
+        let scene =
+            load(&scene(&format!("heights = {{ resolution = {size:?}, cell = {cell:?}, ramp = {{ slope = 30 }} }}")));
+        let (field, frame) = (field(&scene), scene.frame(0));
+        assert_eq!(([field.columns(), field.rows()], frame.receivers.len()), (size, size[0] * size[1]));
+        let mut hit = [None];
+        let ray = Ray { origin: Vec3::new(0.01, 0.02, 99.0), direction: -Vec3::Z, t_min: 0.0, t_max: f32::INFINITY };
+        scene.world(&frame, Which::All).closest(&[ray], &mut hit);
+        let height = 99.0 - hit[0].expect("a hit").t;
+        assert!((height - 0.01 * 30f32.to_radians().tan()).abs() < 1e-4, "{size:?}: {height}");
+    }
+}
+
+#[test]
+fn holes_are_filled_where_the_scene_says_what_they_hold() {
+    let folder = Folder::new();
+    for (hole, nodata) in
+        [(f32::NAN, "nan"), (-9999.0, "-9999"), (f32::MIN, "-3.4028234663852886e38"), (f32::INFINITY, "inf")]
+    {
+        write_exr(&folder, "holes.exr", &["Y"], |x, y, height| if (x, y) == (1, 0) { hole } else { height });
+        let text = |more: &str| scene(&format!("heights = {{ file = \"holes.exr\", cell = [1, 1]{more} }}"));
+        let filled = folder.load(&text(&format!(", nodata = {nodata}"))).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(field(&filled).heights(), [10.0, 11.0, 12.0, 0.0, 7.0, 2.0]);
+        let told = "holes.exr: 1 of 6 heights without data: filled from their neighbours";
+        assert!(filled.notices.len() == 1 && filled.notices[0].ends_with(told), "{:?}", filled.notices);
+        if nodata == "-9999" {
+            assert_eq!(field(&folder.load(&text("")).unwrap()).heights()[4], hole, "a depth like others unless told");
+        } else {
+            refused(&folder, &text(""), "holes.exr: texel (1, 0): ", "`nodata` is that");
+            refused(&folder, &text(", nodata = -1"), "holes.exr: texel (1, 0): ", "a finite height");
+        }
+    }
+    write_exr(&folder, "nothing.exr", &["Y"], |_, _, _| f32::NAN);
+    let text = scene("heights = { file = \"nothing.exr\", cell = [1, 1], nodata = nan }");
+    refused(&folder, &text, "objects[0].heights.nodata: ", "not all of the picture has");
+    write_exr(&folder, "whole.exr", &["Y"], |_, _, value| value);
+    let text = scene("heights = { file = \"whole.exr\", cell = [1, 1], nodata = nan }");
+    assert!(folder.load(&text).unwrap().notices.is_empty());
 }
 
 #[test]

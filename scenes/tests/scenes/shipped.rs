@@ -25,6 +25,7 @@ fn all_load_with_purpose_and_valid_receivers() {
         "fractal-512-key",
         "fractal-512-sky",
         "furnace",
+        "growing",
         "herd",
         "hovering",
         "interior",

@@ -37,6 +37,8 @@ pub struct Stress {
     pub overlaps: Vec<Overlap>,
     /// A method, an order and a case each.
     pub cases: Vec<Case>,
+    /// Cases whose truth is known, and the most that a receiver truly gets of the open sky there.
+    pub brightest: Vec<(&'static str, f64)>,
 }
 
 /// Coincident circles overhead.
@@ -83,6 +85,8 @@ pub struct Found {
     pub receivers: usize,
     /// The largest magnitude of radiance as a share of the open sky's.
     pub worst: f64,
+    /// The largest error of that share, where the truth is known.
+    pub error: Option<f64>,
 }
 
 impl Found {
@@ -92,6 +96,7 @@ impl Found {
             guarded: self.guarded + other.guarded,
             receivers: self.receivers + other.receivers,
             worst: self.worst.max(other.worst),
+            error: self.error.into_iter().chain(other.error).reduce(f64::max),
         }
     }
 }
@@ -115,12 +120,16 @@ pub fn measure(methods: &[&'static dyn Method]) -> Stress {
             stress.overlaps.push(Overlap { method: method.info().id, order, irradiance });
         }
     }
-    for (name, scenes) in scenes::cases() {
+    for scenes::Case { name, scenes, truth } in scenes::cases() {
+        if let Some(truth) = &truth {
+            stress.brightest.push((name, truth.iter().copied().fold(0.0, f64::max)));
+        }
         for &method in methods {
             for order in ORDERS {
                 let found = [false, true].map(|guard| {
                     let setting = Setting { method, order, guard, cache: &cache };
-                    scenes.iter().map(|scene| setting.found(scene)).fold(Found::default(), Found::and)
+                    let found = scenes.iter().map(|scene| setting.found(scene, truth.as_deref()));
+                    found.fold(Found::default(), Found::and)
                 });
                 stress.cases.push(Case { name, method: method.info().id, order, found });
             }
@@ -153,14 +162,16 @@ impl Setting<'_> {
         (radiance, guarded.0)
     }
 
-    fn found(&self, scene: &Scene) -> Found {
+    fn found(&self, scene: &Scene, truth: Option<&[f64]>) -> Found {
         let (radiance, guarded) = self.radiance(scene);
         let largest = |colour: &Rgb| f64::from(colour.abs().max_element() / RADIANCE);
+        let error = |(colour, truth): (&Rgb, &f64)| (f64::from(colour.x / RADIANCE) - truth).abs();
         Found {
             not_finite: radiance.iter().filter(|colour| !colour.is_finite()).count(),
             guarded,
             receivers: radiance.len(),
             worst: radiance.iter().filter(|colour| colour.is_finite()).map(largest).fold(0.0, f64::max),
+            error: truth.map(|truth| radiance.iter().zip(truth).map(error).fold(0.0, f64::max)),
         }
     }
 }

@@ -18,7 +18,7 @@ pub fn markdown(stress: &Stress) -> String {
          visibility grow where the truncated sum is positive, and fade where it is negative: the table gives the first N of\n\
          {COUNTS:?}\n\
          at which irradiance is what no visibility leaves, below 0 or above 1 by more than {BEYOND}; with the overlap guard off : on. \"–\": at none\n\
-         of them. OL grows without bound nowhere: it fades to black.\n\n\
+         of them. OL fades to black, but for order 7, where it leaves the range on the way.\n\n\
          ![the first N that diverges, guard off, against order](stress/onset.svg)\n\n"
     );
     table(&mut page, stress, |overlap| {
@@ -37,8 +37,10 @@ pub fn markdown(stress: &Stress) -> String {
     });
     page.push_str(
         "\n## Extreme scenes\n\n\
-         The largest magnitude of radiance over that of the open sky (1e5), guard off : on, and the receivers that the guard changed. What is not\n\
-         finite would be counted behind an exclamation mark.\n",
+         The largest magnitude of radiance over that of the open sky (1e5), guard off : on, and the receivers that the guard changed; where rays\n\
+         tell the truth, ± the largest error with the guard on. The guard makes results possible, not right: where the mean of visibility has\n\
+         diverged upwards it opens the sky, in the deepest shadow too. Off, it still acts above 1e30, where light times visibility could\n\
+         overflow. What is not finite would be counted behind an exclamation mark.\n",
     );
     let mut names: Vec<&str> = Vec::new();
     stress.cases.iter().for_each(|case| names.push(case.name));
@@ -46,7 +48,9 @@ pub fn markdown(stress: &Stress) -> String {
     for name in names {
         let cases: Vec<&Case> = stress.cases.iter().filter(|case| case.name == name).collect();
         let receivers = cases.first().map_or(0, |case| case.found[0].receivers);
-        let _ = write!(page, "\n### {name}: {receivers} receivers\n\n");
+        let truth = stress.brightest.iter().find(|(case, _)| *case == name);
+        let truth = truth.map_or(String::new(), |(_, most)| format!(", which truly get at most {most:.3} of the sky"));
+        let _ = write!(page, "\n### {name}: {receivers} receivers{truth}\n\n");
         header(&mut page);
         for row in cases.chunks(ORDERS.count()) {
             let _ = write!(page, "| `{}` |", row[0].method);
@@ -54,7 +58,8 @@ pub fn markdown(stress: &Stress) -> String {
                 let [off, on] = &case.found;
                 let lost = off.not_finite + on.not_finite;
                 let lost = if lost > 0 { format!(" !{lost}") } else { String::new() };
-                let _ = write!(page, " {} : {}, {}{lost} |", number(off.worst), number(on.worst), on.guarded);
+                let error = on.error.map_or(String::new(), |error| format!(" ± {error:.3}"));
+                let _ = write!(page, " {} : {}, {}{error}{lost} |", number(off.worst), number(on.worst), on.guarded);
             });
             page.push('\n');
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use halflight_scenes::{Light, Placement, Rgb, Scene, Sky, Sphere};
+use halflight_scenes::{Light, Placement, Rgb, Scene, Shape, Sky, Sphere};
 
 use super::{ANGLE, RADIANCE};
 use crate::fixtures;
@@ -19,13 +19,52 @@ pub(super) fn coincident(count: usize) -> Scene {
     scene(&format!("coincident {count}"), vec![sphere; count], vec![(Vec3::ZERO, Vec3::Z)], 1.0)
 }
 
-/// The cases by name, each of one or more scenes.
-pub(super) fn cases() -> Vec<(&'static str, Vec<Scene>)> {
-    vec![
-        ("10 000 overlapping spheres", vec![crowd()]),
-        ("at centres, inside, tangent, outside; radii 1e-6 to 1e6", [1e-6, 1e-3, 1.0, 1e3, 1e6].map(touching).to_vec()),
-        ("umbra of 2 000 spheres of 20°", vec![umbra()]),
+/// Scenes that are told of together.
+pub(super) struct Case {
+    pub(super) name: &'static str,
+    pub(super) scenes: Vec<Scene>,
+    /// What receivers get of the open sky's irradiance; nothing where rules say what a sphere around a receiver means.
+    pub(super) truth: Option<Vec<f64>>,
+}
+
+pub(super) fn cases() -> [Case; 3] {
+    let traced = |name, scene: Scene| Case { name, truth: Some(irradiance(&scene)), scenes: vec![scene] };
+    let touching = [1e-6, 1e-3, 1.0, 1e3, 1e6].map(touching).to_vec();
+    [
+        traced("10 000 overlapping spheres", crowd()),
+        Case { name: "at centres, inside, tangent, outside; radii 1e-6 to 1e6", scenes: touching, truth: None },
+        traced("umbra of 2 000 spheres of 20°", umbra()),
     ]
+}
+
+/// Directions a side of the square that is mapped to the hemisphere.
+const RAYS: usize = 48;
+
+/// The share of directions, dense as the cosine, that no sphere blocks before each receiver.
+fn irradiance(scene: &Scene) -> Vec<f64> {
+    let frame = scene.frame(0);
+    let spheres = frame.objects.iter().flat_map(|posed| match &*posed.in_place() {
+        Shape::Spheres(spheres) => spheres.clone(),
+        _ => Vec::new(),
+    });
+    let spheres: Vec<Sphere> = spheres.collect();
+    let open = |position: Vec3, normal: Vec3| {
+        let (x, y) = normal.any_orthonormal_pair();
+        let cell = |i: usize| (i as f32 + 0.5) / RAYS as f32;
+        let free = |ray: &usize| {
+            let (out, turn) = (cell(ray / RAYS).sqrt(), std::f32::consts::TAU * cell(ray % RAYS));
+            let towards = out * (turn.cos() * x + turn.sin() * y) + (1.0 - out * out).sqrt() * normal;
+            !spheres.iter().any(|sphere| hits(sphere, position, towards))
+        };
+        (0..RAYS * RAYS).filter(free).count() as f64 / (RAYS * RAYS) as f64
+    };
+    frame.receivers.position.iter().zip(&frame.receivers.normal).map(|(p, n)| open(*p, *n)).collect()
+}
+
+fn hits(sphere: &Sphere, from: Vec3, towards: Vec3) -> bool {
+    let to = sphere.center - from;
+    let (along, outside) = (to.dot(towards), to.length_squared() - sphere.radius * sphere.radius);
+    outside <= 0.0 || (along > 0.0 && along * along >= outside)
 }
 
 fn wave(i: usize, phase: f32) -> f32 {

@@ -2,12 +2,11 @@
 
 use crate::Error;
 use crate::budget::chain::walk;
-use crate::budget::{Asked, Seen, apart};
+use crate::budget::{Seen, apart};
 use crate::figures::Figure;
 use crate::figures::claims::claim;
 use crate::figures::seeing::direct;
-use crate::ledger::{Bench, Setting, silent};
-use glam::Vec3;
+use crate::ledger::{Bench, SHADOW, Setting, in_shadow, mean_change, silent};
 use halflight_contract::Quantity;
 use halflight_reports::{Sheet, Shown, plus_minus};
 use halflight_scenes::Scene;
@@ -27,8 +26,6 @@ const METHOD: (&str, &[(&str, &str)]) = ("shexp/ps-star", &[("p", "2")]);
 const HIGHER: (&str, &[(&str, &str)]) = ("shexp/ps-star", &[("p", "2"), ("extra-bands", "2")]);
 /// Mean changes below this are not worth a word; radiance.
 const NOTHING: f64 = 3e-4;
-/// Part of its light that a receiver in shadow lacks at least.
-const SHADOW: f32 = 0.1;
 
 fn make(bench: &Bench, sheet: &mut Sheet) -> Result<(), Error> {
     SCENES.iter().try_for_each(|scene| scene_budget(bench, sheet, &halflight_scenes::find(scene)?))?;
@@ -44,7 +41,7 @@ fn scene_budget(bench: &Bench, sheet: &mut Sheet, scene: &Scene) -> Result<(), E
     let mut names: Vec<String> = steps.into_iter().map(|step| step.name).collect();
     seen.push(asked.shaded(HIGHER.0, HIGHER.1)?);
     names.push("order 6 truncated to 4".into());
-    let shadow = shadow(bench, scene, &asked)?;
+    let shadow = in_shadow(bench, scene, &asked)?;
 
     let dark = shadow.iter().filter(|dark| **dark).count();
     sheet.heading(&scene.name);
@@ -104,28 +101,4 @@ fn sign((change, error): (f64, f64), [below, above]: [&'static str; 2]) -> Vec<&
         ..0.0 => vec![below],
         _ => vec![above],
     }
-}
-
-/// Mean signed change of the receivers in shadow, or of those outside, with its standard error (channels taken to err alike).
-fn mean_change(this: &Seen, before: &Seen, shadow: &[bool], dark: bool) -> (f64, f64) {
-    let mean = |v: Vec3| f64::from(v.element_sum()) / 3.0;
-    let chosen = (0..shadow.len()).filter(|&i| shadow[i] == dark && this.picture.valid[i]);
-    let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
-    for i in chosen {
-        sum += mean(this.picture.radiance[i] - before.picture.radiance[i]);
-        variance += mean(this.variance[i] + before.variance[i]);
-        count += 1.0;
-    }
-    (sum / f64::max(count, 1.0), variance.sqrt() / f64::max(count, 1.0))
-}
-
-/// Which receivers lie in the traced shadow, all under light of order 4.
-fn shadow(bench: &Bench, scene: &Scene, asked: &Asked<'_>) -> Result<Vec<bool>, Error> {
-    let mut open = scene.clone();
-    open.objects.iter_mut().for_each(|object| object.casts = false);
-    let open = open.as_changed();
-    let question = direct(&open, 0);
-    let (lit, open) = (asked.traced("sh-light:4")?.picture, bench.ask(&question)?.traced("sh-light:4")?.picture);
-    let lacks = |(lit, open): (&Vec3, &Vec3)| lit.element_sum() < (1.0 - SHADOW) * open.element_sum();
-    Ok(lit.radiance.iter().zip(&open.radiance).map(lacks).collect())
 }

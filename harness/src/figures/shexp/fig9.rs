@@ -12,7 +12,7 @@ pub(super) const FIGURE: Figure = Figure {
     id: "shexp/fig9",
     place: "Ren et al. 2006, Fig. 9",
     shows: "the ground under a bunny of 63 spheres by product, PS-p, OL, HYB and PS*-2, order 4, no window",
-    look: "PS-21 and PS-22 burst in the umbra to opposite sides (our bunny's umbra is deeper than the print's: PS-p needs p beyond 70). OL blurs the \
+    look: "PS-21 and PS-22 burst in the umbra to opposite sides (row S8 has from which p on PS-p holds there). OL blurs the \
            umbra; HYB and PS*-2 match the product. The dots under the belly are in all of them: spheres poke through the ground there, and a \
            receiver below the middle of one is wholly covered (`shexp/fig5`).",
     make,

@@ -1,13 +1,10 @@
 //! S11: ambient occlusion against directional shadows.
 
-use super::super::bench::{Bench, Figure, Setting, silent};
+use super::super::asking::direct;
+use super::super::bench::{Bench, Figure, Setting};
 use super::super::row::{Figures, Judgement, Row, Verdict, number};
 use crate::Error;
-use crate::budget::Asked;
-use crate::budget::chain::walk;
-use crate::probe::Question;
 use glam::Vec3;
-use halflight_contract::Quantity;
 use halflight_scenes::{Light, Rgb, Scene};
 
 const FAMILY: &str = "ambient-occlusion";
@@ -15,6 +12,8 @@ const AMBIENT: &str = "share of the change between opposite lights, ambient occl
 /// Without any shadow there would be none to lose.
 const DARK: &str = "light that ambient occlusion takes away, mean";
 const EXP: &str = "share of the change between opposite lights, SHEXP";
+const AMBIENT_ERROR: &str = "RMS error of shadows over RMS shadow, ambient occlusion";
+const EXP_ERROR: &str = "RMS error of shadows over RMS shadow, SHEXP";
 
 pub(crate) const S11: Row = Row {
     id: "S11",
@@ -37,27 +36,40 @@ fn measure(bench: &Bench) -> Result<Vec<Figure>, Error> {
     let (Ok(first), Ok(second)) = (first, second) else {
         return Err(Error::Other("spheres-60 cannot be loaded".into()));
     };
-    let change = |of: &dyn Fn(&Scene) -> Result<Vec<Rgb>, Error>| {
-        let [first, second] = [shadow(of, first)?, shadow(of, second)?];
-        Ok::<Vec<f64>, Error>(first.iter().zip(&second).map(|(a, b)| a - b).collect())
-    };
-    let truth = change(&|scene| traced(bench, scene))?;
-    let setting = Setting::new(ambient, &[])?;
-    let dark = shadow(&|scene| Ok(bench.shaded(scene, &scene.frame(0), &setting)?.radiance), first)?;
-    let mean = 100.0 * dark.iter().sum::<f64>() / dark.len() as f64;
-    let mut figures = vec![Figure::exact(DARK, "%", mean, dark.len())];
-    for (name, method) in [
-        (AMBIENT, ambient),
-        ("share of the change between opposite lights, SH product", "sh-product/ordered"),
-        (EXP, "shexp/hyb"),
+    let shadows =
+        |of: &dyn Fn(&Scene) -> Result<Vec<Rgb>, Error>| Ok::<_, Error>([shadow(of, first)?, shadow(of, second)?]);
+    let truth = shadows(&|scene| traced(bench, scene))?;
+    let mut figures = Vec::new();
+    for (method, share, error) in [
+        (ambient, AMBIENT, AMBIENT_ERROR),
+        (
+            "sh-product/ordered",
+            "share of the change between opposite lights, SH product",
+            "RMS error of shadows over RMS shadow, SH product",
+        ),
+        ("shexp/hyb", EXP, EXP_ERROR),
     ] {
         let setting = Setting::new(method, &[])?;
-        let own = change(&|scene| Ok(bench.shaded(scene, &scene.frame(0), &setting)?.radiance))?;
-        let along: f64 = own.iter().zip(&truth).map(|(own, truth)| own * truth).sum();
-        let whole: f64 = truth.iter().map(|truth| truth * truth).sum();
-        figures.push(Figure::exact(name, "", along / whole, truth.len()));
+        let own = shadows(&|scene| Ok(bench.shaded(scene, &scene.frame(0), &setting)?.radiance))?;
+        if method == ambient {
+            let mean = own[0].iter().sum::<f64>() / own[0].len() as f64;
+            figures.push(Figure::exact(DARK, "%", 100.0 * mean, own[0].len()));
+        }
+        let (changed, known) = (change(&own), change(&truth));
+        figures.push(Figure::exact(share, "", dot(&changed, &known) / dot(&known, &known), known.len()));
+        let missed: Vec<f64> = own[0].iter().zip(&truth[0]).map(|(own, truth)| own - truth).collect();
+        let relative = (dot(&missed, &missed) / dot(&truth[0], &truth[0])).sqrt();
+        figures.push(Figure::exact(error, "", relative, missed.len()));
     }
     Ok(figures)
+}
+
+fn change([first, second]: &[Vec<f64>; 2]) -> Vec<f64> {
+    first.iter().zip(second).map(|(first, second)| first - second).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The spheres over the ground, the key light's direction mirrored about the vertical where `side` is -1.
@@ -89,22 +101,24 @@ fn shadow(of: &dyn Fn(&Scene) -> Result<Vec<Rgb>, Error>, scene: &Scene) -> Resu
 
 /// Ray traced under light in SH of order 4.
 fn traced(bench: &Bench, scene: &Scene) -> Result<Vec<Rgb>, Error> {
-    let question = Question { scene, frame: 0, quantity: Quantity::Direct, seed: 1 };
-    let asked = Asked::new(&question, &bench.terms.quality, &bench.terms.cache)?;
-    let setting = Setting::new("shexp/hyb", &[])?;
-    let steps = walk(scene, Quantity::Direct, setting.method, &setting.params).steps;
-    let step = steps.iter().find(|step| step.name.starts_with("+ sh-light")).expect("there is distant light");
-    Ok(asked.see(&step.what, &mut silent)?.picture.radiance)
+    Ok(bench.ask(&direct(scene, 0))?.traced("sh-light:4")?.picture.radiance)
 }
 
 fn judge(figures: &Figures<'_>) -> Option<Judgement> {
     let [ambient, exp, dark] = figures.values([AMBIENT, EXP, DARK])?;
+    let [lost, kept] = figures.values([AMBIENT_ERROR, EXP_ERROR])?;
     let why = format!(
-        "As the key light comes from the other side, ambient occlusion, which takes {}% of the light away, changes by {} of what the \
-         truth changes by along with it, SHEXP by {}; less than 1/4 counts as lost, more than 3/4 as kept.",
+        "Of the truth's shadows ambient occlusion misses {}, SHEXP {} (RMS). As the key light comes from the other side, shadows of ambient \
+         occlusion, which takes {}% of the light away, change by {} of what the truth's do, as they must, since it asks no light where it \
+         comes from; SHEXP's by {}. More than 1/2 and less than 1/4 count as lost, less than 1/2 and more than 3/4 as kept.",
+        number(lost),
+        number(kept),
         number(dark),
         number(ambient),
         number(exp)
     );
-    Some(Judgement { verdict: Verdict::of(&[dark > 1.0 && ambient < 0.25, exp > 0.75]), why })
+    Some(Judgement {
+        verdict: Verdict::of(&[dark > 1.0 && ambient < 0.25 && lost > 0.5, exp > 0.75 && kept < 0.5]),
+        why,
+    })
 }

@@ -1,15 +1,18 @@
 //! S9 and S10: cuts through sphere hierarchies, and ratio vectors.
 
+use super::super::asking::direct;
 use super::super::bench::{Bench, Figure, Setting};
 use super::super::ground::Ground;
 use super::super::row::{Figures, Judgement, Row, Verdict, number};
 use crate::Error;
+use crate::budget::apart;
 use halflight_blockers::clusters;
 use halflight_scenes::Rgb;
 
 /// Name, scene, spheres an object; as many receivers as the paper's scenes have.
 const SCENES: [(&str, &str, &str); 2] = [("battle size", "battle", "61"), ("dino size", "herd", "32")];
 const CUT: &str = "25";
+const ADDED: &str = "10 000 × 500: RMSE that cuts add over RMSE without";
 
 pub(crate) const S9: Row = Row {
     id: "S9",
@@ -71,7 +74,30 @@ fn measure_cuts(bench: &Bench) -> Result<Vec<Figure>, Error> {
             Figure::exact(format!("{name}: largest cut"), "", amount(&with, "largest cut"), clusters as usize),
         ]);
     }
+    figures.extend(ten_thousand(bench)?);
     Ok(figures)
+}
+
+/// Ten thousand receivers before five hundred spheres: what a cut wins, and what it costs of the error that is there without it.
+fn ten_thousand(bench: &Bench) -> Result<Vec<Figure>, Error> {
+    let (name, scene) = ("10 000 × 500", halflight_scenes::find("herd@0.32")?);
+    let question = direct(&scene, 0);
+    let asked = bench.ask(&question)?;
+    let [without, with] = ["0", CUT].map(|cut| [("cut", cut)]);
+    let truth = asked.traced("sh-light:4")?;
+    let [exact, cut] = [asked.shaded("shexp/hyb", &without)?, asked.shaded("shexp/hyb", &with)?];
+    let (own, added) = (apart(&exact, &truth)?, apart(&cut, &exact)?);
+    let [without, with] = [Setting::new("shexp/hyb", &without)?, Setting::new("shexp/hyb", &with)?];
+    let mut works = [bench.framing(&scene, &asked.frame, &without)?, bench.framing(&scene, &asked.frame, &with)?];
+    let times = bench.interleaved(&mut works)?;
+    let milliseconds = |times: &[f64]| times.iter().map(|time| 1e-6 * time).collect::<Vec<_>>();
+    Ok(vec![
+        Figure::median(format!("{name}: a frame without cuts"), "ms", &milliseconds(&times[0])),
+        Figure::median(format!("{name}: a frame with cuts"), "ms", &milliseconds(&times[1])),
+        Figure::estimate(format!("{name}: RMSE without cuts"), own.rmse, own.rmse_error, own.receivers),
+        Figure::exact(format!("{name}: RMSE that cuts add"), "", added.rmse, added.receivers),
+        Figure::exact(ADDED, "", added.rmse / own.rmse, added.receivers),
+    ])
 }
 
 fn judge_cuts(figures: &Figures<'_>) -> Option<Judgement> {
@@ -83,8 +109,12 @@ fn judge_cuts(figures: &Figures<'_>) -> Option<Judgement> {
         parts.extend([mean < 0.25 * leaves, largest < leaves * 2.0 / 3.0]);
         told.push(format!("{name} a mean of {} and at most {} of {}", number(mean), number(largest), number(leaves)));
     }
-    let why =
-        format!("With θmax = {CUT}°: {}; a quarter and two thirds of the leaves count as far below.", told.join(", "));
+    let why = format!(
+        "With θmax = {CUT}°: {}; a quarter and two thirds of the leaves count as far below. They add {} of the error that is there \
+                 without them.",
+        told.join(", "),
+        number(figures.value(ADDED)?)
+    );
     Some(Judgement { verdict: Verdict::of(&parts), why })
 }
 

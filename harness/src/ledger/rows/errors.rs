@@ -1,19 +1,20 @@
 //! S7: sizes and signs of the sources of error.
 
+use super::super::asking::direct;
 use super::super::bench::{Bench, Figure, Setting, silent};
 use super::super::row::{Figures, Judgement, Row, Verdict, number};
+use super::super::shadows::{in_shadow, mean_change};
 use crate::Error;
+use crate::budget::apart;
 use crate::budget::chain::walk;
-use crate::budget::{Asked, Seen, apart};
-use crate::probe::Question;
 use halflight_contract::Quantity;
 use halflight_metrics::Difference;
-use halflight_scenes::{Rgb, Scene};
 
 const SCENES: [(&str, &str); 2] = [("bunny-studio@0.5", "bunny"), ("dino-elephant-courtyard@0.5", "dino and elephant")];
 const SPHERES: &str = "spheres for meshes";
 const TRUNCATION: &str = "truncation after each product";
 const LOG: &str = "log space";
+const OUTSIDE: &str = "spheres for meshes, outside shadows";
 
 pub(crate) const S7: Row = Row {
     id: "S7",
@@ -41,8 +42,8 @@ fn measure(bench: &Bench) -> Result<Vec<Figure>, Error> {
 
 fn scene_figures(bench: &Bench, name: &str, model: &str) -> Result<Vec<Figure>, Error> {
     let scene = halflight_scenes::find(name)?;
-    let question = Question { scene: &scene, frame: 0, quantity: Quantity::Direct, seed: 1 };
-    let asked = Asked::new(&question, &bench.terms.quality, &bench.terms.cache)?;
+    let question = direct(&scene, 0);
+    let asked = bench.ask(&question)?;
     let setting = Setting::new("shexp/ps-star", &[("p", "2")])?;
     let steps = walk(&scene, Quantity::Direct, setting.method, &setting.params).steps;
     let see = |name: &str| {
@@ -52,7 +53,9 @@ fn scene_figures(bench: &Bench, name: &str, model: &str) -> Result<Vec<Figure>, 
     // (a) to (e) of Fig. 7, all under light of order 4.
     let (traced, spheres) = (see("+ sh-light")?, see("+ sphere-proxies")?);
     let (product, exp) = (see("sh-product/ordered")?, see("shexp/ps-star")?);
-    let higher = truncated(bench, &asked, &scene)?;
+    let higher = asked.shaded("shexp/ps-star", &[("p", "2"), ("extra-bands", "2")])?;
+    let shadow = in_shadow(bench, &scene, &asked)?;
+    let outside = shadow.iter().filter(|dark| !**dark).count();
     let mut figures = Vec::new();
     for (what, this, before) in [(SPHERES, &spheres, &traced), (TRUNCATION, &product, &spheres), (LOG, &exp, &product)]
     {
@@ -60,19 +63,13 @@ fn scene_figures(bench: &Bench, name: &str, model: &str) -> Result<Vec<Figure>, 
         figures.push(Figure::estimate(rmse(model, what), r, rmse_error, receivers));
         figures.push(Figure::estimate(bias(model, what), b, bias_error, receivers));
     }
+    let (change, error) = mean_change(&spheres, &traced, &shadow, false);
+    figures.push(Figure::estimate(bias(model, OUTSIDE), change, error, outside));
     for (what, this) in [("order 4 in all", &exp), ("order 6 truncated to 4 in all", &higher)] {
         let found = apart(this, &traced)?;
         figures.push(Figure::estimate(rmse(model, what), found.rmse, found.rmse_error, found.receivers));
     }
     Ok(figures)
-}
-
-/// PS*-2 of logs summed at order 6, truncated to 4 before shading.
-fn truncated(bench: &Bench, asked: &Asked<'_>, scene: &Scene) -> Result<Seen, Error> {
-    let setting = Setting::new("shexp/ps-star", &[("p", "2"), ("extra-bands", "2")])?;
-    let radiance = bench.shaded(scene, &asked.frame, &setting)?.radiance;
-    let variance = vec![Rgb::ZERO; radiance.len()];
-    Ok(Seen { picture: asked.picture(radiance), variance })
 }
 
 fn judge(figures: &Figures<'_>) -> Option<Judgement> {
@@ -81,7 +78,7 @@ fn judge(figures: &Figures<'_>) -> Option<Judgement> {
         let [spheres, truncation, log] =
             figures.values([SPHERES, TRUNCATION, LOG].map(|w| rmse(model, w)).each_ref().map(String::as_str))?;
         let [of_spheres, of_truncation] =
-            figures.values([SPHERES, TRUNCATION].map(|w| bias(model, w)).each_ref().map(String::as_str))?;
+            figures.values([OUTSIDE, TRUNCATION].map(|w| bias(model, w)).each_ref().map(String::as_str))?;
         let [four, six] = [
             figures.value(&rmse(model, "order 4 in all"))?,
             figures.value(&rmse(model, "order 6 truncated to 4 in all"))?,
@@ -89,10 +86,14 @@ fn judge(figures: &Figures<'_>) -> Option<Judgement> {
         order.push(truncation > spheres && spheres > log);
         // Surely: the whole interval.
         let darkens = |what| Some(figures.interval(&bias(model, what))?[1] < 0.0);
-        signs.push(darkens(TRUNCATION)? && darkens(SPHERES)?);
-        higher.push(six < four);
+        signs.push(darkens(TRUNCATION)? && darkens(OUTSIDE)?);
+        let [[_, most], [least, _]] = [
+            figures.interval(&rmse(model, "order 6 truncated to 4 in all"))?,
+            figures.interval(&rmse(model, "order 4 in all"))?,
+        ];
+        higher.push(most < least);
         told.push(format!(
-            "{model}: truncation {} (bias {}), spheres {} (bias {}), log space {}; in all {} at order 4, {} at 6 truncated to 4",
+            "{model}: truncation {} (bias {}), spheres {} (outside shadows {}), log space {}; in all {} at order 4, {} at 6 truncated to 4",
             number(truncation),
             number(of_truncation),
             number(spheres),
@@ -108,7 +109,7 @@ fn judge(figures: &Figures<'_>) -> Option<Judgement> {
     let why = format!(
         "{}, {}, {}. RMSE of {}.",
         holds(parts[0], "The order of sizes"),
-        holds(parts[1], "that both darken"),
+        holds(parts[1], "that truncation darkens and spheres darken what lies outside shadows"),
         holds(parts[2], "that order 6 truncated to 4 is better"),
         told.join("; ")
     );

@@ -111,7 +111,7 @@ fn frames<'a>(bench: &'a Bench, scene: &'a Scene, setting: &'a Setting) -> Resul
 }
 
 /// The first frame, and one in which all heights differ.
-fn swaying(scene: &Scene) -> [Arc<Frame>; 2] {
+pub(crate) fn swaying(scene: &Scene) -> [Arc<Frame>; 2] {
     let first = scene.frame(0);
     let mut second = first.clone();
     for posed in &mut second.objects {

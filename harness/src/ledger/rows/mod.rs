@@ -14,6 +14,7 @@ mod speed;
 mod swaths;
 
 pub(crate) use cuts::Seams;
+pub(crate) use heights::swaying;
 
 use super::row::Row;
 use crate::Error;

@@ -209,13 +209,14 @@ fn judge_exponentials(figures: &Figures<'_>) -> Option<Judgement> {
     let verdict = Verdict::of(&[first > 1.0, second > 1.0, hyb < star && one_more <= 1.0]);
     let why = format!(
         "Accumulated one vertex at a time in plain code PS-21 is {} times as fast as the product, PS*-2 {} times as fast as PS-21; in \
-         lanes {} and {}. HYB squares {} times a vertex, PS*-2 {}, which is once more in every shadowed vertex.",
+         lanes {} and {}. HYB squares {} times a vertex, PS*-2 {}, no more than once more. Our scene is another than the print's: {} products a vertex.",
         number(a),
         number(b),
         number(lanes_a),
         number(lanes_b),
         number(hyb),
-        number(star)
+        number(star),
+        number(figures.value(PRODUCTS_A)?)
     );
     Some(Judgement { verdict, why })
 }

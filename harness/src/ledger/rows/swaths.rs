@@ -29,7 +29,8 @@ fn measure_swaths(bench: &Bench) -> Result<Vec<Figure>, Error> {
     let mut figures = Vec::new();
     for swath in SWATHS {
         let text = swath.to_string();
-        let setting = Setting::new("horizon-wedges/partial", &[("swath", &text), ("key-azimuths", "32")])?;
+        let settings = [("swath", &*text), ("key-azimuths", "32"), ("key-level", "facing"), ("border", "extend")];
+        let setting = Setting::new("horizon-wedges/partial", &settings)?;
         let shaded = |scene: &Scene| Ok::<_, Error>(bench.shaded(scene, &scene.frame(0), &setting)?.radiance);
         let (shadowed, lit) = (shaded(&scene)?, shaded(&open)?);
         let share: Vec<f64> = shadowed.iter().zip(&lit).map(|(a, b)| f64::from(a.y) / f64::from(b.y)).collect();

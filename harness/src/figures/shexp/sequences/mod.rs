@@ -1,17 +1,17 @@
 //! Characters in motion: error a frame, popping, and the time that a frame takes.
 
-mod changes;
+mod excess;
 mod rates;
-mod tables;
 mod track;
 
 use crate::Error;
 use crate::budget::Seen;
 use crate::figures::Figure;
+use crate::figures::sequence::changes::{self, Bend, bends, changes};
+use crate::figures::sequence::tables::{CHANGES, changes_of, distances, errors_of, popping};
+use crate::figures::sequence::{frames, plot};
 use crate::ledger::{Bench, Setting, number};
-use changes::{Bend, bends, changes};
-use halflight_reports::{Axis, Mark, Plot, Series, Sheet};
-use tables::{changes_of, distances, errors_of, popping};
+use halflight_reports::{Mark, Series, Sheet};
 use track::Track;
 
 pub(super) const FIGURE: Figure = Figure {
@@ -27,6 +27,8 @@ pub(super) const FIGURE: Figure = Figure {
 /// Scene, frames a second and the first frame: the whole walk at the scene's rate, half a second and more at the capture's own.
 const SEQUENCES: [(&str, f32, usize); 3] = [("walker", 24.0, 0), ("walker", 120.0, 228), ("boxers", 100.0, 0)];
 const FRAMES: usize = 60;
+/// Spheres a body.
+const SPHERES: usize = 64;
 /// Receivers a side of the ground, and on the skin of each character.
 const GROUND: usize = 20;
 const SKIN: usize = 300;
@@ -34,6 +36,7 @@ const SKIN: usize = 300;
 const SPARSE: usize = 10;
 /// Where a sphere set of another size is planted: the walk at the capture's rate is calm there. Less than the truth bends is not told.
 const PLANTED: usize = 50;
+/// Clusters are small, since receivers here are few.
 const METHODS: [(&str, &[(&str, &str)]); 2] =
     [("hyb", &[("spheres", "64")]), ("hyb, cut=20", &[("spheres", "64"), ("cut", "20"), ("cluster", "16")])];
 const OTHER: &[(&str, &str)] = &[("spheres", "63")];
@@ -48,6 +51,7 @@ fn make(bench: &Bench, sheet: &mut Sheet) -> Result<(), Error> {
         2 * changes::WINDOW
     ));
     SEQUENCES.iter().try_for_each(|(name, rate, first)| sequence(bench, sheet, name, *rate, *first))?;
+    excess::excess(bench, sheet)?;
     rates::rates(bench, sheet)
 }
 
@@ -82,14 +86,7 @@ fn sequence(bench: &Bench, sheet: &mut Sheet, name: &str, rate: f32, first: usiz
         }
     }
     sheet.table(&["", "mean of truth", "RMSE, mean over frames", "RMSE, largest", "bias, mean"], &table);
-    let columns = [
-        "change of e from the frame before",
-        "RMS, all frames",
-        "of truth",
-        "largest RMS of a frame",
-        "of truth, there",
-    ];
-    sheet.table(&[&columns[..], &["largest of a receiver", "of truth"]].concat(), &moved);
+    sheet.table(&CHANGES, &moved);
     let cut = distances(&runs[1].1, &runs[0].1)?.iter().map(|d| d.rmse * d.rmse).sum::<f64>() / FRAMES as f64;
     let accumulated = METHODS.map(|(_, settings)| track.accumulated(bench, &Setting::new("shexp/hyb", settings)?));
     let [without, with] = accumulated;
@@ -105,18 +102,9 @@ fn sequence(bench: &Bench, sheet: &mut Sheet, name: &str, rate: f32, first: usiz
     let all: Vec<_> = all.chain([("hyb, planted", bends(&planted)), ("truth", own.clone())]).collect();
     let rows = all.iter().map(|(name, bends)| popping(name, bends, &own));
     sheet.table(&["", "bend, median", "bend, largest", "pops at frames"], &rows.collect::<Vec<_>>());
-    let plot = |title: &str, series| {
-        let (across, upwards) = (Axis::linear("frame"), Axis::linear("radiance"));
-        Plot { title: title.into(), across, upwards, series }
-    };
     sheet.plot(&plot("Error of each frame against the truth, RMSE", errors))?;
     sheet.plot(&plot("Change of the error from the frame before, root mean square", moves))?;
     let sizes = |bends: &[Bend]| bends.iter().map(|bend| bend.size).collect::<Vec<_>>();
     let bent = all.iter().map(|(name, bends)| frames(name, &sizes(bends), 1)).collect();
     Ok(sheet.plot(&plot("Bend: distance of a frame from the middle of its neighbours, root mean square", bent))?)
-}
-
-/// A value a frame, from a first one on.
-fn frames(name: &str, values: &[f64], first: usize) -> Series {
-    Series::new(name, Mark::Line, values.iter().enumerate().map(|(t, value)| ((t + first) as f64, *value)))
 }

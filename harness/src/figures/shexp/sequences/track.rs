@@ -100,8 +100,8 @@ fn points(scene: &Scene, frame: &Frame, ground: usize, skin: usize) -> Vec<(Vec3
 
 #[cfg(test)]
 mod tests {
-    use super::super::changes::{bends, pops};
     use super::*;
+    use crate::figures::sequence::changes::{bends, pops};
     use crate::ledger::Terms;
 
     /// A sphere set of another size in a single frame is a pop; the walk by itself has none.

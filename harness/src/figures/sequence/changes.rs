@@ -5,25 +5,25 @@ use glam::Vec3;
 use halflight_metrics::median;
 
 /// A pop bends a picture so many times as much as the frames around it are bent in the median, and more than the truth.
-pub(super) const FACTOR: f64 = 3.0;
+pub(in crate::figures) const FACTOR: f64 = 3.0;
 /// Frames on either side that a bend is held against.
-pub(super) const WINDOW: usize = 6;
+pub(in crate::figures) const WINDOW: usize = 6;
 
 /// From one frame to the next, over all receivers and channels; radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Change {
+pub(in crate::figures) struct Change {
     /// Root mean square change of the error, without the truth's noise.
-    pub(super) error: f64,
+    pub(in crate::figures) error: f64,
     /// Root mean square change of the truth, without its noise.
-    pub(super) truth: f64,
+    pub(in crate::figures) truth: f64,
     /// Largest change of one receiver's error, the mean of its channels, noise included.
-    pub(super) worst: f64,
+    pub(in crate::figures) worst: f64,
     /// Largest change of one receiver's truth, noise included.
-    pub(super) worst_truth: f64,
+    pub(in crate::figures) worst_truth: f64,
 }
 
 /// The changes between frames, entry `t` from frame `t` to `t + 1`. Frames have the same receivers, and independent noise.
-pub(super) fn changes(run: &[Seen], truth: &[Seen]) -> Vec<Change> {
+pub(in crate::figures) fn changes(run: &[Seen], truth: &[Seen]) -> Vec<Change> {
     run.windows(2)
         .zip(truth.windows(2))
         .map(|(run, truth)| change([&run[0], &run[1]], [&truth[0], &truth[1]]))
@@ -49,15 +49,15 @@ fn change(run: [&Seen; 2], truth: [&Seen; 2]) -> Change {
 
 /// How far a picture lies from the middle of its neighbours. Smooth motion bends little, a pop as far as it jumps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Bend {
+pub(in crate::figures) struct Bend {
     /// Root mean square over receivers and channels, without noise; radiance.
-    pub(super) size: f64,
+    pub(in crate::figures) size: f64,
     /// What it is below by two standard errors of the noise.
-    pub(super) most: f64,
+    pub(in crate::figures) most: f64,
 }
 
 /// The bends from the second frame to the last but one.
-pub(super) fn bends(run: &[Seen]) -> Vec<Bend> {
+pub(in crate::figures) fn bends(run: &[Seen]) -> Vec<Bend> {
     run.windows(3).map(|frames| bend([&frames[0], &frames[1], &frames[2]])).collect()
 }
 
@@ -76,7 +76,7 @@ fn bend([before, this, after]: [&Seen; 3]) -> Bend {
 }
 
 /// Frames whose bend stands out of those around, and is surely more than the truth's own there.
-pub(super) fn pops(bends: &[Bend], truth: &[Bend]) -> Vec<usize> {
+pub(in crate::figures) fn pops(bends: &[Bend], truth: &[Bend]) -> Vec<usize> {
     let stands_out = |t: &usize| {
         let around = t.saturating_sub(WINDOW)..(t + WINDOW + 1).min(bends.len());
         let others: Vec<f64> = around.filter(|other| other != t).map(|other| bends[other].size).collect();

@@ -1,71 +1,12 @@
 //! Fields whose shading is known.
 
-use std::path::Path;
-use std::sync::LazyLock;
-
 use glam::DVec3;
-use halflight_contract::{Backend, Cache, Job, Method, NoMeter, Output, Params, Quantity, Request, Support};
-use halflight_horizon_wedges::{AMBIENT, BLOCKERS, COMPLETE, HARD, MARCH, PARTIAL, SWEEP, Variant};
+use halflight_contract::{Backend, Method, Params, Quantity, Request, Support};
+use halflight_horizon_wedges::{AMBIENT, BLOCKERS, COMPLETE, HARD, PARTIAL, SWEEP, Variant};
 use halflight_references::horizon::{Horizons, sky_irradiance};
-use halflight_scenes::{Frame, HeightField, Rgb, Scene, Shape};
+use halflight_scenes::Rgb;
 
-const ALL: [Variant; 7] = [COMPLETE, PARTIAL, MARCH, SWEEP, HARD, AMBIENT, BLOCKERS];
-/// Wedge tables take longest.
-static CACHE: LazyLock<Cache> = LazyLock::new(Cache::in_memory);
-
-const WHITE: &str = "[[lights]]\nsky = { uniform = [1, 1, 1] }\n";
-
-/// A scene of one white field with receivers on its vertices.
-fn scene(field: &str, lights: &str) -> Scene {
-    let text = format!(
-        "purpose = 'test'\n[receivers]\nheights = {{ object = 'field' }}\n[[objects]]\nname = 'field'\nalbedo = [1, 1, 1]\n\
-         [objects.heights]\n{field}\n{lights}"
-    );
-    Scene::parse(Path::new("test.toml"), &text).expect("a scene")
-}
-
-fn field(scene: &Scene) -> &HeightField {
-    match &*scene.objects[0].shape {
-        Shape::Heights(field) => field,
-        _ => panic!("a height field"),
-    }
-}
-
-/// The scene with other heights on the grid.
-fn with_heights(scene: &Scene, height: impl Fn(usize, usize) -> f32) -> Scene {
-    let mut scene = scene.clone();
-    let old = field(&scene);
-    let (columns, rows) = (old.columns(), old.rows());
-    let heights = (0..rows * columns).map(|i| height(i % columns, i / columns)).collect();
-    let new = HeightField::new([columns, rows], old.origin(), old.cell(), heights);
-    scene.objects[0].shape = std::sync::Arc::new(Shape::Heights(new));
-    scene.objects[0].content = scene.objects[0].shape.content();
-    scene
-}
-
-/// Direct light at the first frame, as a picture with +y at the top.
-fn shade(method: &Variant, scene: &Scene, settings: &[(&str, &str)]) -> Vec<Rgb> {
-    shade_frame(method, scene, &scene.frame(0), settings)
-}
-
-fn shade_frame(method: &Variant, scene: &Scene, frame: &Frame, settings: &[(&str, &str)]) -> Vec<Rgb> {
-    // Some variants lack some parameters.
-    let known = |name: &str| method.info().params.iter().any(|spec| spec.name == name);
-    let settings = settings.iter().copied().filter(|(name, _)| known(name));
-    let params = Params::resolve(method.info().params, settings).expect("in range");
-    let job = Job::new(scene, &params, 1, Backend::Cpu, &CACHE);
-    let mut ready = method.prepare(&job, &mut NoMeter).expect("prepares");
-    ready.update(frame, &mut NoMeter).expect("updates");
-    ready.evaluate(frame, Quantity::Direct, &mut NoMeter).expect("evaluates");
-    let mut out = vec![Rgb::NAN; frame.receivers.len()];
-    ready.read(Output::Radiance(&mut out), &mut NoMeter).expect("reads");
-    out
-}
-
-/// Radiance at vertex `(column, row)` of a picture of the field.
-fn at(picture: &[Rgb], field: &HeightField, column: usize, row: usize) -> f32 {
-    picture[(field.rows() - 1 - row) * field.columns() + column].x
-}
+use crate::common::{ALL, WHITE, at, field, scene, shade, with_heights};
 
 #[test]
 fn a_flat_field_is_a_furnace_at_every_order() {
@@ -157,47 +98,6 @@ fn a_narrow_wall_hides_the_light_behind_it() {
     }
 }
 
-#[test]
-fn a_field_turned_by_a_quarter_is_shaded_as_the_one_that_was_not() {
-    // Symmetric samples, since the cells' diagonals do not turn.
-    let flat = "resolution = [33, 33]\ncell = [1, 1]\nramp = { slope = 0 }";
-    let lights = |x: f32, y: f32| {
-        format!("{WHITE}[[lights]]\nkey = {{ direction = [{x}, {y}, 0.5], angular_radius = 4, radiance = [9, 9, 9] }}")
-    };
-    let bump = |x: f32, y: f32| 5.0 * (-0.02 * (x * x + y * y)).exp();
-    let height = |x: f32, y: f32| bump(x - 4.0, y + 3.0) + 0.7 * bump(x + 6.0, y - 8.0);
-    let centred = |i: usize| i as f32 - 16.0;
-    let first = with_heights(&scene(flat, &lights(0.9, 0.2)), |i, j| height(centred(i), centred(j)));
-    // (x, y) of the second is (y, −x) of the first.
-    let second = with_heights(&scene(flat, &lights(-0.2, 0.9)), |i, j| height(centred(j), -centred(i)));
-    for method in [COMPLETE, PARTIAL, MARCH] {
-        let settings = [("azimuths", "16")];
-        let (a, b) = (shade(&method, &first, &settings), shade(&method, &second, &settings));
-        for (i, j) in (4..29).flat_map(|i| (4..29).map(move |j| (i, j))) {
-            let (x, y) = (centred(i), centred(j));
-            let there = at(&a, field(&first), i, j);
-            let here = at(&b, field(&second), (16.0 - y) as usize, (16.0 + x) as usize);
-            assert!((there - here).abs() < 2e-3, "{}: ({i}, {j}): {there} {here}", method.info().id);
-        }
-    }
-}
-
-#[test]
-fn threads_do_not_change_a_bit() {
-    let fractal =
-        "resolution = [70, 50]\ncell = [1, 1]\nfractal = { seed = 3, amplitude = 6, wavelength = 20, octaves = 3 }";
-    let lights =
-        format!("{WHITE}[[lights]]\nkey = {{ direction = [1, 0.2, 0.5], angular_radius = 4, radiance = [9, 9, 9] }}");
-    let scene = scene(fractal, &lights);
-    for method in ALL {
-        let by = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| shade(&method, &scene, &[]))
-        };
-        assert_eq!(by(1), by(2), "{}", method.info().id);
-    }
-}
-
 /// A light that faces the receiver gives it, through an open swath, what it gives without one.
 #[test]
 fn swaths_leave_unshadowed_light_its_level() {
@@ -245,23 +145,6 @@ fn hard_shadows_are_those_of_the_horizon() {
         // At column 40 the wall's edge is just at the light's elevation; 145 samples over 65 m stand 0.45 m apart.
         if !(39..=41).contains(&column) {
             assert!((found - expected).abs() < 1e-6, "column {column}: {found} for {expected}");
-        }
-    }
-}
-
-#[test]
-fn odd_fields_give_finite_light() {
-    let lights =
-        format!("{WHITE}[[lights]]\nkey = {{ direction = [1, 0.2, 0.1], angular_radius = 1, radiance = [9, 9, 9] }}");
-    let sizes = ["[2, 2]", "[2, 40]", "[40, 2]", "[3, 5]"];
-    for (size, cell) in sizes.iter().flat_map(|size| ["[1, 1]", "[1e-3, 1e3]"].map(|cell| (size, cell))) {
-        let flat = scene(&format!("resolution = {size}\ncell = {cell}\nramp = {{ slope = 0 }}"), &lights);
-        for scale in [1e6f32, 1.0, 1e-6] {
-            let scene = with_heights(&flat, |i, j| scale * ((7 * i + 5 * j) % 4) as f32);
-            for method in ALL {
-                let picture = shade(&method, &scene, &[]);
-                assert!(picture.iter().all(|rgb| rgb.is_finite()), "{} {size} {cell} {scale}", method.info().id);
-            }
         }
     }
 }

@@ -8,12 +8,12 @@ use halflight_metrics::Difference;
 use halflight_reports::plus_minus;
 
 /// How far each frame is from the truth's.
-pub(super) fn distances(run: &[Seen], truth: &[Seen]) -> Result<Vec<Difference>, Error> {
+pub(in crate::figures) fn distances(run: &[Seen], truth: &[Seen]) -> Result<Vec<Difference>, Error> {
     run.iter().zip(truth).map(|(run, truth)| apart(run, truth)).collect()
 }
 
 /// A row of errors over all frames.
-pub(super) fn errors_of(name: &str, run: &[Seen], truth: &[Seen]) -> Result<Vec<String>, Error> {
+pub(in crate::figures) fn errors_of(name: &str, run: &[Seen], truth: &[Seen]) -> Result<Vec<String>, Error> {
     let apart = distances(run, truth)?;
     let count = apart.len() as f64;
     let mean = |of: fn(&Difference) -> f64| apart.iter().map(of).sum::<f64>() / count;
@@ -30,8 +30,19 @@ pub(super) fn errors_of(name: &str, run: &[Seen], truth: &[Seen]) -> Result<Vec<
     ])
 }
 
+/// Columns of [`changes_of`].
+pub(in crate::figures) const CHANGES: [&str; 7] = [
+    "change of e from the frame before",
+    "RMS, all frames",
+    "of truth",
+    "largest RMS of a frame",
+    "of truth, there",
+    "largest of a receiver",
+    "of truth",
+];
+
 /// A row of changes from frame to frame, beside the truth's.
-pub(super) fn changes_of(name: &str, changes: &[Change]) -> Vec<String> {
+pub(in crate::figures) fn changes_of(name: &str, changes: &[Change]) -> Vec<String> {
     let rms =
         |of: fn(&Change) -> f64| (changes.iter().map(|c| of(c).powi(2)).sum::<f64>() / changes.len() as f64).sqrt();
     let most = |of: fn(&Change) -> f64| changes.iter().map(of).fold(0.0, f64::max);
@@ -42,7 +53,7 @@ pub(super) fn changes_of(name: &str, changes: &[Change]) -> Vec<String> {
 }
 
 /// A row of bends, and at which frames they are pops.
-pub(super) fn popping(name: &str, bends: &[Bend], truth: &[Bend]) -> Vec<String> {
+pub(in crate::figures) fn popping(name: &str, bends: &[Bend], truth: &[Bend]) -> Vec<String> {
     let sizes: Vec<f64> = bends.iter().map(|bend| bend.size).collect();
     let median = halflight_metrics::median(&sizes).unwrap_or(f64::NAN);
     let frames: Vec<String> = pops(bends, truth).iter().map(ToString::to_string).collect();
