@@ -29,11 +29,11 @@ fn orders(method: &dyn Method) -> &'static [u8] {
 /// Roundings are as good as independent (Higham and Mary 2019), so that N of them, each of at most u of the vector's norm, add up to
 /// more than 4√N·u with a probability of 1e-4. On each backend a circle costs about 4n of them one after another: n for its zonal
 /// coefficients and turning them, 3n for the three sums of a product of rings; an exponential costs a product for each squaring or
-/// power, at most 12. Each squaring doubles a relative error, but was scaled down before as often.
+/// power, at most 21. Each squaring doubles a relative error, but was scaled down before as often.
 ///
 /// A sine near 1 loses half its digits on its way to a cosine: 4 roundings of it change the cosine by 4u/cos θ.
 fn tolerance(order: u8, circles: usize, least_cosine: f32) -> f32 {
-    let roundings = 2.0 * 4.0 * f32::from(order) * (circles + 12) as f32;
+    let roundings = 2.0 * 4.0 * f32::from(order) * (circles + 21) as f32;
     let norm = (4.0 * std::f32::consts::PI).sqrt();
     4.0 * roundings.sqrt() * ROUNDING * norm + circles as f32 * 4.0 * ROUNDING / least_cosine
 }
