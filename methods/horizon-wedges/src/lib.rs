@@ -5,7 +5,8 @@
 //! Radiance is `albedo · L · (H(N) * V)`, an SH product and a dot product; `H` has the `1/π` of this house.
 //!
 //! Environments and skies are seen through the complete swath. A key light is seen through a partial swath about its azimuth, the smallest
-//! that covers it, as though it were restricted to it; its level is then that of unit unshadowed shading, as the caption of Fig. 6 has it.
+//! that covers it, as though it were restricted to it; its level is then that of unshadowed shading on level ground, or, as the caption of
+//! Fig. 6 has it, on what faces it (`key-level`).
 //!
 //! # Variants
 //!
@@ -15,8 +16,8 @@
 //!
 //! # Limits
 //!
-//! Light from below elevation 0 does not arrive: the ground is taken to reach out to there. Beyond its border the field goes on as at the
-//! border. A light of order n is never wholly within a swath: through one of 22.5° an order-4 lobe still fades over elevation as a lobe
+//! Light from below elevation 0 does not arrive: the ground is taken to reach out to there. Beyond its border nothing hides light, or the
+//! field goes on as at the border (`border`; the sweep has the former alone). A light of order n is never wholly within a swath: through one of 22.5° an order-4 lobe still fades over elevation as a lobe
 //! does. Receivers that do not lie on the field are taken to stand on it below where they are.
 
 mod casters;

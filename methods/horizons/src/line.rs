@@ -98,9 +98,9 @@ fn part<V: Lanes<Scalar = f32>>(from: &[f32], at: usize, lane: usize) -> V {
 /// The sum of each receiver's samples by their shares, of 16 the one with a number and those after it.
 #[inline(always)]
 fn pick<V: Lanes<Scalar = f32>, const T: usize>(window: &[f32; 16], sample: V, along: [V; T]) -> V {
-    let mut sum = sample.select_from(window).mul(along[0]);
-    for (tap, share) in along.into_iter().enumerate().skip(1) {
-        sum = sample.add(V::constant(tap as f64)).select_from(window).mul_add(share, sum);
+    let mut sum = V::constant(0.0);
+    for (tap, share) in along.iter().enumerate() {
+        sum = sample.add(V::constant(tap as f64)).select_from(window).mul_add(*share, sum);
     }
     sum
 }
@@ -229,9 +229,9 @@ impl<'l, const T: usize> Line<'l, T> {
         }
         let along = shares::<V, T>(V::splat(self.fraction));
         let mut weights = [along; T];
-        for (weights, across) in weights.iter_mut().zip(self.shares) {
+        for (weights, across) in weights.iter_mut().zip(&self.shares) {
             for weight in weights {
-                *weight = weight.mul(V::splat(across));
+                *weight = weight.mul(V::splat(*across));
             }
         }
         let start = within.start * V::WIDTH;
@@ -264,8 +264,8 @@ impl<'l, const T: usize> Line<'l, T> {
             for lane in (0..16).step_by(V::WIDTH) {
                 let at = number * advance;
                 let mut blend = V::constant(0.0);
-                for (row, share) in rows.iter().zip(self.shares) {
-                    blend = part::<V>(row, at, lane).mul_add(V::splat(share), blend);
+                for (row, share) in rows.iter().zip(&self.shares) {
+                    blend = part::<V>(row, at, lane).mul_add(V::splat(*share), blend);
                 }
                 blend.store(&mut window, lane / V::WIDTH);
             }

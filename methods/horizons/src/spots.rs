@@ -69,12 +69,12 @@ fn gathered<V: Lanes<Scalar = f32>, const T: usize>(level: &Level, x: (V, V), y:
     }
     let (along, across) = (shares::<V, T>(x.1), shares::<V, T>(y.1));
     let mut sum = V::constant(0.0);
-    for (row, across) in samples.iter().zip(across) {
+    for (row, across) in samples.iter().zip(&across) {
         let mut blend = V::constant(0.0);
-        for (sample, along) in row.iter().zip(along) {
-            blend = V::load(sample, 0).mul_add(along, blend);
+        for (sample, along) in row.iter().zip(&along) {
+            blend = V::load(sample, 0).mul_add(*along, blend);
         }
-        sum = blend.mul_add(across, sum);
+        sum = blend.mul_add(*across, sum);
     }
     sum
 }

@@ -2,10 +2,9 @@
 
 use super::panels::{Panels, from_south, planned};
 use crate::Error;
-use crate::budget::apart;
 use crate::figures::Figure;
-use crate::figures::seeing::{alone, beside, direct};
 use crate::ledger::Bench;
+use crate::plan::Group;
 use halflight_reports::Sheet;
 
 pub(super) const FIGURE: Figure = Figure {
@@ -19,24 +18,17 @@ pub(super) const FIGURE: Figure = Figure {
 
 const SIZE: [usize; 2] = [480, 240];
 
+fn name(group: &Group) -> String {
+    let exact = group.method.info().id == "horizon-wedges/sweep";
+    if exact { "exact sweep" } else { "pyramid, k = 4, o = 2" }.into()
+}
+
 fn make(bench: &Bench, sheet: &mut Sheet) -> Result<(), Error> {
     let plan = planned("paper/hw-fig8")?;
-    let scene = from_south(SIZE, &plan.scenes[0].scene);
-    let panels = Panels::new(bench, &plan, 0, &scene, |_| "pyramid, k = 4, o = 2".into())?;
-    let question = direct(&scene, 0);
-    let sweep = bench.ask(&question)?.shaded("horizon-wedges/sweep", &[])?;
-    let [(name, pyramid)] = &panels.cells[..] else {
-        return Err(Error::Other("paper/hw-fig8: expected one cell".into()));
-    };
-    sheet.pictures(&[
-        alone("ray traced", &panels.truth),
-        beside(name.clone(), pyramid, &panels.truth)?,
-        beside("exact sweep", &sweep, &panels.truth)?,
-    ])?;
-    let between = apart(pyramid, &sweep)?;
-    sheet.note(&format!(
-        "The paper adds a colour by height, which has no part in shadows. Pyramid against sweep, wedges alike: RMSE {:.3}, bias {:.3}.",
-        between.rmse, between.bias
-    ));
+    let panels = Panels::new(bench, &plan, 0, &from_south(SIZE, &plan.scenes[0].scene), name)?;
+    panels.show(sheet)?;
+    let rows: Vec<Vec<String>> = panels.errors(&panels.truth)?.into_iter().map(Vec::from).collect();
+    sheet.table(&["", "RMSE / level", "bias / level"], &rows);
+    sheet.note("The paper adds a colour by height, which has no part in shadows.");
     Ok(())
 }

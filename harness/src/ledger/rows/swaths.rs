@@ -78,7 +78,8 @@ fn penumbra(share: &[f64]) -> f64 {
 
 fn judge_swaths(figures: &Figures<'_>) -> Option<Judgement> {
     let widths = figures.values(SWATHS.map(width).each_ref().map(String::as_str))?;
-    let falls = widths.windows(2).all(|pair| pair[1] <= pair[0]);
+    // By more than the step that widths are found with.
+    let falls = widths[0] > widths[1] + 0.1 && widths.windows(2).all(|pair| pair[1] <= pair[0] + 0.1);
     let steps: Vec<f64> = widths.windows(2).map(|pair| pair[0] - pair[1]).collect();
     let converges = steps.windows(2).all(|pair| pair[1] <= pair[0]);
     let list: Vec<String> = widths.iter().map(|width| format!("{}°", number(*width))).collect();

@@ -2,16 +2,20 @@
 
 use std::time::Instant;
 
+use glam::Quat;
 use halflight_contract::{Backend, Cache, Flow, Job, Meter, Method, Params, Prepared, Quantity};
 use halflight_horizon_wedges::Variant;
-use halflight_scenes::{Frame, HeightField, Light, Revision, Scene, Shape};
+use halflight_scenes::{Frame, HeightField, Light, PosedLight, PosedObject, Revision, Scene, Shape};
 
 /// A method with parameters on a scene.
 pub(crate) struct Case {
     pub(crate) name: String,
     pub(crate) scene: Scene,
     pub(crate) method: Variant,
-    pub(crate) params: Vec<(&'static str, String)>,
+    pub(crate) params: Vec<(&'static str, &'static str)>,
+    pub(crate) motion: Motion,
+    /// Under which horizons are sought, with those parameters' defaults.
+    pub(crate) azimuths: usize,
 }
 
 /// A shipped scene.
@@ -25,20 +29,50 @@ pub(crate) fn keys(mut scene: Scene) -> Scene {
     scene
 }
 
-/// The first frame, and one in which all heights differ.
-fn swaying(scene: &Scene) -> [Frame; 2] {
+/// What differs from one frame to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Motion {
+    /// All heights.
+    Heights,
+    /// Heights of a few rows.
+    Rows,
+    /// The azimuths of key lights.
+    Lights,
+}
+
+/// The first frame, and one that differs.
+fn moving(scene: &Scene, motion: Motion) -> [Frame; 2] {
     let first = scene.frame(0);
     let mut second = first.clone();
-    for posed in &mut second.objects {
-        if let Shape::Heights(field) = &*posed.shape {
-            let heights = field.heights().iter().map(|height| 1.01 * height).collect();
-            let size = [field.columns(), field.rows()];
-            let field = HeightField::new(size, field.origin(), field.cell(), heights);
-            posed.shape = std::sync::Arc::new(Shape::Heights(field));
-            posed.revision = Revision(posed.revision.0 ^ 1);
+    match motion {
+        Motion::Lights => second.lights.iter_mut().for_each(turn),
+        Motion::Heights | Motion::Rows => {
+            second.objects.iter_mut().for_each(|posed| rise(posed, motion == Motion::Heights));
         }
     }
     [first, second]
+}
+
+fn turn(posed: &mut PosedLight) {
+    if let Light::Key(key) = &mut posed.light {
+        key.direction = Quat::from_rotation_z(0.02) * key.direction;
+        posed.revision = Revision(posed.revision.0 ^ 1);
+    }
+}
+
+fn rise(posed: &mut PosedObject, everywhere: bool) {
+    /// Rows that differ if not all do.
+    const ROWS: std::ops::Range<usize> = 100..108;
+    if let Shape::Heights(field) = &*posed.shape {
+        let size = [field.columns(), field.rows()];
+        let risen = |(vertex, height): (usize, &f32)| {
+            if everywhere || ROWS.contains(&(vertex / size[0])) { 1.01 * height } else { *height }
+        };
+        let heights = field.heights().iter().enumerate().map(risen).collect();
+        let field = HeightField::new(size, field.origin(), field.cell(), heights);
+        posed.shape = std::sync::Arc::new(Shape::Heights(field));
+        posed.revision = Revision(posed.revision.0 ^ 1);
+    }
 }
 
 /// Milliseconds of a frame.
@@ -48,12 +82,6 @@ pub(crate) struct Times {
     pub(crate) evaluate: f64,
     /// Of all threads' processors.
     pub(crate) processors: f64,
-}
-
-impl Times {
-    pub(crate) fn whole(&self) -> f64 {
-        self.update + self.evaluate
-    }
 }
 
 /// A case made ready.
@@ -66,11 +94,10 @@ pub(crate) struct Running<'s> {
 
 impl<'s> Running<'s> {
     pub(crate) fn new(case: &'s Case, cache: &Cache) -> Self {
-        let settings = case.params.iter().map(|(name, value)| (*name, value.as_str()));
-        let params = Params::resolve(case.method.info().params, settings).expect("settings");
+        let params = Params::resolve(case.method.info().params, case.params.iter().copied()).expect("settings");
         let job = Job::new(&case.scene, &params, 1, Backend::Cpu, cache);
         let prepared = case.method.prepare(&job, &mut Silent).expect("a scene for the method");
-        let mut running = Running { case, frames: swaying(&case.scene), prepared, times: Vec::new() };
+        let mut running = Running { case, frames: moving(&case.scene, case.motion), prepared, times: Vec::new() };
         running.round(); // not timed: memory is touched
         running.times.clear();
         running
@@ -91,6 +118,11 @@ impl<'s> Running<'s> {
     /// The number of receivers that are shaded.
     pub(crate) fn receivers(&self) -> usize {
         self.frames[0].receivers.valid.iter().filter(|valid| **valid).count()
+    }
+
+    /// Milliseconds of all threads' processors a frame: the mean, since the system counts in steps of some milliseconds.
+    pub(crate) fn processors(&self) -> f64 {
+        self.times.iter().map(|times| times.processors).sum::<f64>() / self.times.len() as f64
     }
 
     /// What a share of the frames takes at most.
