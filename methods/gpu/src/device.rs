@@ -8,6 +8,9 @@ use halflight_contract::Backend;
 use crate::adapter::{Adapter, found};
 use crate::{GpuError, Result};
 
+/// A shader's text and its buffers.
+type Text = (String, Vec<Access>);
+
 /// An open device.
 pub struct Gpu {
     adapter: &'static Adapter,
@@ -15,7 +18,7 @@ pub struct Gpu {
     pub(crate) queue: wgpu::Queue,
     /// Why the device is gone, once it is.
     lost: Arc<Mutex<Option<String>>>,
-    pipelines: Mutex<HashMap<(String, Vec<Access>), Arc<Pipeline>>>,
+    pipelines: Mutex<HashMap<Text, Arc<Pipeline>>>,
 }
 
 /// What a shader does with a buffer.

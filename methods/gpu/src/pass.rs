@@ -74,8 +74,8 @@ impl Gpu {
 
     fn submit(&self, passes: &[Pass<'_>], times: Option<(&wgpu::QuerySet, &Resident)>) -> Result<()> {
         let what = passes.iter().map(|pass| pass.name).collect::<Vec<_>>().join(", ");
-        let buffers = passes.iter().flat_map(|pass| pass.buffers);
-        buffers.map(|part| part.buffer.buffer().map(|_| ())).collect::<Result<()>>()?;
+        let mut buffers = passes.iter().flat_map(|pass| pass.buffers);
+        buffers.try_for_each(|part| part.buffer.buffer().map(|_| ()))?;
         self.checked(&what, || {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             for (number, pass) in passes.iter().enumerate().filter(|(_, pass)| pass.threads > 0) {
