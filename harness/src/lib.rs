@@ -35,6 +35,7 @@
 //! # }
 //! ```
 
+mod backends;
 mod budget;
 mod calibrate;
 pub mod cli;
@@ -65,6 +66,7 @@ mod suite;
 mod table;
 mod todo;
 
+pub use backends::{Processor, Where, processor};
 pub use budget::{
     budget,
     chain::{Step, Walk, What, walk},

@@ -157,7 +157,8 @@ impl Plan {
     #[must_use]
     pub fn on_threads(mut self, counts: &[usize], class: impl Fn(usize) -> String) -> Self {
         let on = |group: &Group, threads: usize| {
-            let timed_on = |cell: &Cell| Cell { timed_on: Some(class(threads)), ..cell.clone() };
+            let timed_on =
+                |cell: &Cell| Cell { timed_on: cell.timed_on.as_ref().map(|_| class(threads)), ..cell.clone() };
             Group { threads: Some(threads), cells: group.cells.iter().map(timed_on).collect(), ..group.clone() }
         };
         // Side by side, so that they are timed side by side.

@@ -105,6 +105,11 @@ impl Meter for Recorder<'_> {
         Flow::Continue
     }
 
+    fn gpu(&mut self, pass: &'static str, nanoseconds: u64) {
+        let open = self.open.iter().map(|(name, _)| format!("{name}/")).collect::<String>();
+        *self.spans.entry(format!("{open}{pass} (gpu clock)")).or_default() += nanoseconds as f64;
+    }
+
     fn derived(&mut self, what: &'static str, nanoseconds: u64) {
         *self.derived.entry(what.to_owned()).or_default() += nanoseconds as f64;
     }

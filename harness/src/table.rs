@@ -19,7 +19,7 @@ pub const COLUMNS: [(&str, &str); 46] = [
     ("method", "the method's id"),
     ("param_NAME", "the value of a parameter"),
     ("quantity", "what was computed, such as direct"),
-    ("backend", "cpu or gpu"),
+    ("backend", "cpu, or gpu and its adapter"),
     ("seed", "seed of everything random in the run"),
     ("receivers", "valid receivers that were shaded"),
     ("approximate", "how the method only approximates what was asked, by its own account"),

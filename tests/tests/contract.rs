@@ -1,6 +1,6 @@
 //! Every registered method keeps the contract.
 
-use halflight_contract::{Params, Quantity};
+use halflight_contract::{Backend, Params, Quantity};
 use halflight_tests::checks::{self, Case};
 use halflight_tests::fixtures;
 
@@ -27,7 +27,7 @@ fn methods_with_cuts_and_bakes_keep_the_contract() {
     {
         let method = halflight_registry::find(id).expect("it is registered");
         let params = Params::resolve(method.info().params, settings.iter().copied()).expect("they are its parameters");
-        for case in scenes.iter().flat_map(|scene| Case::all(method, scene)) {
+        for case in scenes.iter().flat_map(|scene| Case::all(method, scene, Backend::Cpu)) {
             let case = case.tuned(params.clone());
             violations.extend(checks::CHECKS.iter().filter_map(|(_, check)| check(&case).err()));
         }

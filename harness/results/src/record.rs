@@ -64,7 +64,7 @@ pub struct Cell {
     pub revision: String,
     /// Its parameters, defaults included.
     pub params: Params,
-    /// `cpu` or `gpu`.
+    /// `cpu`, or `gpu: ` and the adapter, with `correctness only` where it is software.
     pub backend: String,
     /// What was computed, such as `direct`.
     pub quantity: String,

@@ -22,6 +22,7 @@ impl Doctor {
         row("compiler", &environment.rustc);
         let slow = if environment.profile == "release" { "" } else { " (times say nothing: build with --release)" };
         row("profile", &format!("{}{slow}", environment.profile));
+        crate::backends::adapters().iter().for_each(|adapter| row("adapter", adapter));
         let pictures = halflight_scenes::open_image_io();
         row("OpenImageIO", &pictures.unwrap_or_else(|| "not built in (feature `oiio`)".into()));
         row("cache", &self.cache.path()?.display().to_string());

@@ -26,6 +26,7 @@ mod score;
 mod table;
 mod threads;
 
+use crate::Where;
 use crate::plan::{Plan as Work, Terms};
 use crate::select::Selection;
 use crate::settings::Setting;
@@ -120,6 +121,12 @@ struct Pick {
     /// What is computed, repeatable: direct, indirect-N by N bounces, total; direct if not given
     #[arg(long, value_name = "QUANTITY")]
     quantity: Vec<String>,
+    /// Where methods run
+    #[arg(long, value_enum, default_value_t = Where::Cpu)]
+    backend: Where,
+    /// The graphics processor, by its number or part of its name; the first that `doctor` lists if not given
+    #[arg(long, value_name = "ADAPTER")]
+    adapter: Option<String>,
     /// Seed of everything random
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -135,6 +142,12 @@ impl Pick {
         lists
             + &all("set", &self.set.iter().map(ToString::to_string).collect::<Vec<_>>())
             + &all("reference", &self.reference)
+            + &if self.backend == Where::Cpu {
+                String::new()
+            } else {
+                format!(" --backend {:?}", self.backend).to_lowercase()
+            }
+            + &all("adapter", self.adapter.as_slice())
     }
 
     /// What is asked for, this suite if nothing is, to be timed on each of these numbers of threads; on those of all work if
@@ -151,7 +164,11 @@ impl Pick {
         }
         let plan = Work::new(&selection.entries()?, &terms)?;
         let class = |threads| Environment { threads, ..environment.clone() }.class();
-        Ok(if threads.is_empty() { plan } else { plan.on_threads(threads, class) })
+        let plan = if threads.is_empty() { plan } else { plan.on_threads(threads, class) };
+        if self.backend == Where::Cpu {
+            return Ok(plan);
+        }
+        Ok(plan.on_backends(self.backend, &crate::processor(self.adapter.as_deref())?))
     }
 
     fn selection(&self) -> Selection {

@@ -69,7 +69,7 @@ pub(super) fn tell(
                 State::Skip(why) => (2, format!("skip: {why}")),
             };
             counts[kind] += 1;
-            say(&format!("{} · {} · {}{frame}: {what}", group.label(plan), group.backend, group.quantity));
+            say(&format!("{} · {} · {}{frame}: {what}", group.label(plan), cell.backend, group.quantity));
         }
     }
     if budget.is_none() {

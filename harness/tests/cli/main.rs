@@ -9,6 +9,7 @@ mod failing;
 mod figure;
 mod gate;
 mod gate_controls;
+mod gpu;
 mod import;
 mod killed;
 mod ledger;

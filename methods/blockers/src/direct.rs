@@ -1,22 +1,18 @@
 //! Direct light under sphere blockers: the phases that all such methods share.
 
-use std::sync::Arc;
-
 use halflight_contract::{
-    Error, Flow, Footprint, Job, Meter, Output, ParamSpec, Params, Prepared, Quantity, Request, Result, Support,
-    counted, timed,
+    Error, Flow, Footprint, Job, Meter, Output, ParamSpec, Params, Prepared, Quantity, Result, counted, timed,
 };
-use halflight_light::{LightOf, SceneLight, ShLight};
-use halflight_proxies::{PosedSpheres, Proxy, blockers, proxies};
-use halflight_scenes::{Frame, Receivers, Scene, SceneFacts};
-use halflight_sh::{Batch, Block, apply_bands, coefficients, window};
+use halflight_proxies::blockers;
+use halflight_scenes::{Frame, Receivers};
+use halflight_sh::{Batch, Block, coefficients};
 use rayon::prelude::*;
 
 use crate::bake::Bake;
 use crate::clustered::{self, Clustered};
 use crate::cut::{Cut, Rule, Visits};
-use crate::lamps::{Lamp, Lobes, is_lamp, lamps};
 use crate::shading::Shading;
+use crate::stage::Stage;
 use crate::{Blockers, Circles, Gather, Tally, params};
 
 /// Receivers that one task handles.
@@ -24,14 +20,28 @@ const CHUNK: usize = 256;
 
 /// How the circles at receivers become visibility, 16 receivers side by side. A value is a method's setting; its `State` one
 /// task's scratch.
-pub trait Accumulator: Send + Sync + Sized {
+pub trait Accumulator: Send + Sync + Sized + 'static {
     /// Scratch, reused from one 16 receivers to the next.
     type State: Send;
     /// The method's parameters, those of [`params`] included.
     const PARAMS: &'static [ParamSpec];
 
+    /// Its twin on the GPU, if it has one: WGSL behind [`halflight_sh::wgsl`] and `direct.wgsl`, whose functions and types it may use. It
+    /// declares
+    ///
+    /// - `fn begin()`, called before a receiver's circles,
+    /// - `fn block(circle: Circle, before: u32)`, for each circle, with the number of those before it,
+    /// - `fn finish(circles: u32) -> Vector`, the visibility if there was a circle; it adds the SH operations spent to `work`.
+    ///
+    /// State between them is in `var<private>`.
+    const SHADER: Option<&'static str> = None;
+
     /// Settings from parameters.
     fn new(params: &Params) -> Self;
+    /// The same for [`Accumulator::SHADER`], which finds them at `settings.method`.
+    fn shader_settings(_: &Params) -> [f32; 4] {
+        [0.0; 4]
+    }
     /// Fresh scratch.
     fn state(&self) -> Self::State;
     /// Starts 16 receivers.
@@ -80,20 +90,11 @@ pub struct Work {
 
 /// A [`Prepared`] for direct light around an [`Accumulator`].
 pub struct DirectLight<'s, A> {
-    scene: &'s Scene,
     params: Params,
-    order: usize,
-    light: Arc<SceneLight>,
-    /// The light now.
-    lit: ShLight,
-    light_window: Vec<f32>,
-    proxies: Vec<Option<Proxy>>,
-    spheres: PosedSpheres,
-    lamps: Vec<Lamp>,
-    /// None if lamps light by shares, or there is none.
-    lobes: Option<Lobes>,
+    /// Without the blockers that are baked.
+    stage: Stage<'s>,
     gather: Gather,
-    /// The blockers that never move, if they are baked; `proxies` and `spheres` are of the others then.
+    /// The blockers that never move, if they are baked.
     bake: Option<Bake>,
     /// None if every receiver sees every sphere.
     cuts: Option<(Rule, Clustered)>,
@@ -102,78 +103,21 @@ pub struct DirectLight<'s, A> {
     quantity: Quantity,
 }
 
-/// What sphere-blocker methods answer: direct light of what is distant and of spheres that emit, and visibility up to their own order, where
-/// spheres can stand for all that casts shadows. A height field is an open surface: spheres around it would bury the receivers on it.
-pub fn supports(facts: &SceneFacts, request: &Request<'_>) -> Support {
-    let (order, most) = (params::accumulated_order(request.params), halflight_sh::MAX_ORDER);
-    match request.quantity {
-        _ if order > most => Support::Skip(format!("order + extra-bands is {order}, expected at most {most}")),
-        _ if facts.height_fields > 0 => {
-            Support::Skip("spheres cannot stand for a height field that casts shadows".into())
-        }
-        Quantity::Direct => direct(facts, request.params.flag(params::LOCAL_LIGHTS.name)),
-        Quantity::Visibility { order } if usize::from(order) <= request.params.int(params::ORDER.name) => {
-            Support::Exact
-        }
-        Quantity::Visibility { order } => {
-            Support::Skip(format!("visibility of order {order} needs the parameter order to be at least that"))
-        }
-        Quantity::Indirect { .. } | Quantity::Total => Support::Skip("computes direct light only".into()),
-    }
-}
-
-fn direct(facts: &SceneFacts, local_lights: bool) -> Support {
-    let left_out = facts.emitters - if local_lights { facts.lamps } else { 0 };
-    if left_out == 0 {
-        Support::Exact
-    } else if left_out == facts.emitters && facts.distant_lights() == 0 {
-        Support::Skip("all light comes from objects that are no lamps of spheres, none from afar".into())
-    } else {
-        Support::Approximate(format!("leaves out the light of {left_out} objects that emit"))
-    }
-}
-
 impl<'s, A: Accumulator> DirectLight<'s, A> {
     /// Derives sphere sets and light.
     pub fn prepare(job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Self> {
-        let order = job.params.int(params::ORDER.name);
-        let local_lights = job.params.flag(params::LOCAL_LIGHTS.name);
-        let mut proxies = proxies(job, job.params.int(params::SPHERES.name), meter)?;
-        if local_lights {
-            // A lamp must not stand in its own light.
-            proxies
-                .iter_mut()
-                .enumerate()
-                .filter(|(object, _)| is_lamp(job.scene, *object))
-                .for_each(|(_, proxy)| *proxy = None);
-        }
-        let light = job.derive(&LightOf { order }, meter)?;
-        let light_window = match job.params.flag(params::WINDOW_LIGHT.name) {
-            true => bands(order),
-            false => vec![1.0; order],
-        };
-        let lobes = local_lights && job.params.choice(params::LAMPS.name) == "lobe";
-        let lobes = lobes && (0..job.scene.objects.len()).any(|object| is_lamp(job.scene, object));
-        let lobes = lobes.then(|| timed(meter, "fit lobes", |_| Lobes::new(order, &light_window)));
+        let mut stage = Stage::derive(job, meter)?;
         let bake = params::bakes(job.params, A::PARAMS).then(|| {
-            let mut still = proxies.clone();
-            for ((object, moving), still) in job.scene.objects.iter().zip(&mut proxies).zip(&mut still) {
+            let mut still = stage.proxies.clone();
+            for ((object, moving), still) in job.scene.objects.iter().zip(&mut stage.proxies).zip(&mut still) {
                 *(if object.rests() { moving } else { still }) = None;
             }
             Bake::new(blockers(job.scene, &job.scene.frame(0), &still).spheres)
         });
-        let cuts = params::cut(job.params, A::PARAMS).map(|rule| (rule, Clustered::new(job.scene, &proxies)));
+        let cuts = params::cut(job.params, A::PARAMS).map(|rule| (rule, Clustered::new(job.scene, &stage.proxies)));
         Ok(DirectLight {
-            scene: job.scene,
             params: job.params.clone(),
-            order,
-            lit: light.still.clone(),
-            light,
-            light_window,
-            proxies,
-            spheres: PosedSpheres::default(),
-            lamps: Vec::new(),
-            lobes,
+            stage,
             gather: params::gather(job.params),
             bake,
             cuts,
@@ -186,7 +130,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
     /// Fills the result, all spheres before every receiver.
     fn each(&self, receivers: &Receivers, result: &mut [f32]) -> (Tally, Work, Visits) {
         let (shading, size) = (self.shading(), CHUNK * self.quantity.channels());
-        let blockers = Blockers { spheres: &self.spheres.spheres, ratios: &[] };
+        let blockers = Blockers { spheres: &self.stage.spheres.spheres, ratios: &[] };
         let chunks = result.par_chunks_mut(size).enumerate();
         let (tally, work) = chunks
             .map_init(
@@ -206,7 +150,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
         result: &mut [f32],
     ) -> (Tally, Work, Visits) {
         let (shading, channels) = (self.shading(), self.quantity.channels());
-        let forest = clustered.forest(&self.spheres);
+        let forest = clustered.forest(&self.stage.spheres);
         let shade = |(cut, scratch): &mut (Cut, _), cluster| {
             let visits = forest.cut(rule, self.gather, shading.fine, receivers, cluster, cut);
             let members = clustered.members(cluster);
@@ -246,44 +190,24 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
         Shading {
             accumulator: &self.accumulator,
             bake: self.bake.as_ref(),
-            batch: Batch::new(self.order),
+            batch: Batch::new(self.stage.order),
             fine: Batch::new(params::accumulated_order(&self.params)),
             gather: self.gather,
             quantity: self.quantity,
             guard: self.params.flag(params::GUARD.name),
-            light_window: &self.light_window,
-            lamps: &self.lamps,
-            lobes: self.lobes.as_ref(),
-            visibility_window: self.params.flag(params::WINDOW_VISIBILITY.name).then(|| {
-                let mut window = vec![1.0; coefficients(self.order)];
-                apply_bands(&bands(self.order), &mut window);
-                window
-            }),
-            light: self.lit.rgb.clone().map(|mut channel| {
-                apply_bands(&self.light_window, &mut channel);
-                channel
-            }),
+            light_window: &self.stage.light_window,
+            lamps: &self.stage.lamps,
+            lobes: self.stage.lobes.as_ref(),
+            visibility_window: self.stage.visibility_window(&self.params),
+            light: self.stage.windowed_light(),
         }
     }
 }
 
-fn bands(order: usize) -> Vec<f32> {
-    window(order, 2.0 * order as f64).iter().map(|alpha| *alpha as f32).collect()
-}
-
 impl<A: Accumulator> Prepared for DirectLight<'_, A> {
     fn footprint(&self) -> Footprint {
-        let proxies = self.proxies.iter().flatten();
         let cuts = self.cuts.iter().flat_map(|(_, clustered)| clustered.bytes());
-        let footprint = Footprint::default()
-            .host("sphere sets (shared)", proxies.map(Proxy::bytes).sum())
-            .host(
-                "posed spheres",
-                size_of_val(self.spheres.spheres.as_slice()) + size_of_val(self.spheres.object.as_slice()),
-            )
-            .host("light (shared)", self.light.bytes())
-            .host("lobes of lamps", self.lobes.as_ref().map_or(0, Lobes::bytes))
-            .host("result", size_of_val(self.result.as_slice()));
+        let footprint = self.stage.footprint().host("result", size_of_val(self.result.as_slice()));
         let footprint = match &self.bake {
             Some(bake) => footprint.host("baked blockers", bake.bytes()),
             None => footprint,
@@ -303,15 +227,9 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
     }
 
     fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
-        self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.proxies));
-        if !self.light.turning.is_empty() {
-            self.lit = timed(meter, "turn light", |_| self.light.at(frame.time).into_owned());
-        }
-        if self.params.flag(params::LOCAL_LIGHTS.name) {
-            self.lamps = lamps(self.scene, frame);
-        }
+        self.stage.update(frame, meter);
         if let Some((_, clustered)) = &mut self.cuts {
-            clustered.update(&self.spheres, &frame.receivers, &self.params, meter);
+            clustered.update(&self.stage.spheres, &frame.receivers, &self.params, meter);
         }
         self.bake.iter_mut().for_each(|bake| bake.move_to(&frame.receivers));
         self.bake(&frame.receivers, meter);
@@ -344,7 +262,7 @@ impl<A: Accumulator> Prepared for DirectLight<'_, A> {
     }
 }
 
-fn report(meter: &mut dyn Meter, receivers: &Receivers, tally: &Tally, work: &Work) {
+pub(crate) fn report(meter: &mut dyn Meter, receivers: &Receivers, tally: &Tally, work: &Work) {
     let amounts = [
         ("receivers", receivers.valid.iter().filter(|valid| **valid).count() as u64),
         ("blockers accumulated", tally.accumulated),
@@ -370,21 +288,5 @@ impl std::ops::Add for Work {
             guarded: self.guarded + other.guarded,
             kept: self.kept + other.kept,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use halflight_contract::Backend;
-
-    use super::*;
-
-    #[test]
-    fn height_fields_that_cast_are_left_to_others() {
-        let params = Params::defaults(crate::blocker_params!());
-        let request = Request { quantity: Quantity::Direct, backend: Backend::Cpu, params: &params };
-        let answer = |height_fields| supports(&SceneFacts { height_fields, ..SceneFacts::default() }, &request);
-        assert!(matches!(answer(1), Support::Skip(why) if why.contains("height field")));
-        assert!(matches!(answer(0), Support::Exact));
     }
 }

@@ -16,20 +16,27 @@
 //! not influence one another: without cuts a receiver's result does not depend on its company. With cuts receivers go cluster by
 //! cluster, and the spheres are those that its cut selects, some with a ratio vector.
 
+mod backends;
 mod bake;
 mod clustered;
 mod clusters;
 mod cut;
 mod direct;
 mod gather;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod lamps;
 pub mod params;
 mod ratio;
 mod seen;
 mod shading;
+mod stage;
 
+pub use backends::{backends, prepare, supports};
 pub use clusters::clusters;
-pub use direct::{Accumulator, Counts, DirectLight, Work, fill_open, supports};
+pub use direct::{Accumulator, Counts, DirectLight, Work, fill_open};
 pub use gather::{Blockers, Gather, Tally};
+#[cfg(feature = "gpu")]
+pub use gpu::{GpuDirectLight, Text, source};
 pub use halflight_proxies::SelfShadow;
 pub use seen::Circles;

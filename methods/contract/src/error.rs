@@ -36,6 +36,9 @@ pub enum Error {
     /// The scene or its data cannot be used.
     #[error("{0}")]
     Input(String),
+    /// A graphics processor is missing, too small or was lost.
+    #[error("{0}")]
+    Device(String),
     /// A cache file cannot be read or written.
     #[error("{path}: {source}")]
     Cache {

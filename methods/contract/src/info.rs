@@ -9,12 +9,20 @@ use crate::{ParamSpec, Params};
 pub enum Backend {
     /// This machine's cores.
     Cpu,
+    /// A graphics processor, by its number among the machine's adapters.
+    Gpu(u8),
+}
+
+impl Backend {
+    /// The first graphics processor. In [`Info::backends`] it stands for any.
+    pub const GPU: Backend = Backend::Gpu(0);
 }
 
 impl fmt::Display for Backend {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Backend::Cpu => f.write_str("cpu"),
+            Backend::Gpu(_) => f.write_str("gpu"),
         }
     }
 }
@@ -92,6 +100,11 @@ impl Info {
     /// The part of the id before the slash: the crate's folder.
     pub fn family(&self) -> &'static str {
         self.id.split('/').next().unwrap_or(self.id)
+    }
+
+    /// Whether it has a backend of that kind.
+    pub fn runs_on(&self, backend: Backend) -> bool {
+        self.backends.iter().any(|own| std::mem::discriminant(own) == std::mem::discriminant(&backend))
     }
 }
 

@@ -21,6 +21,8 @@ pub trait Meter {
     fn progress(&mut self, what: &'static str, done: u64, total: u64) -> Flow;
     /// Time that making derived data took, now or when it was first made; charged apart from the phases.
     fn derived(&mut self, what: &'static str, nanoseconds: u64);
+    /// Time that a named pass took by a graphics processor's own clock; spans around it count waiting for it too.
+    fn gpu(&mut self, _pass: &'static str, _nanoseconds: u64) {}
 }
 
 /// A meter that records nothing and never cancels.

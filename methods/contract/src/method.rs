@@ -94,6 +94,13 @@ impl Footprint {
         self
     }
 
+    /// Adds a graphics processor's memory.
+    #[must_use]
+    pub fn device(mut self, purpose: &'static str, bytes: u64) -> Self {
+        self.entries.push((purpose, 0, bytes));
+        self
+    }
+
     /// Host bytes altogether.
     pub fn host_bytes(&self) -> u64 {
         self.entries.iter().map(|(_, host, _)| host).sum()

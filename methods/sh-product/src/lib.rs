@@ -12,8 +12,8 @@
 mod ordered;
 mod tree;
 
-use halflight_blockers::{Accumulator, DirectLight, supports};
-use halflight_contract::{Backend, Coupling, Info, Job, Meter, Method, Prepared, Request, Result, Support};
+use halflight_blockers::{Accumulator, backends, prepare, supports};
+use halflight_contract::{Coupling, Info, Job, Meter, Method, Prepared, Request, Result, Support};
 use halflight_scenes::SceneFacts;
 
 use ordered::OrderedProduct;
@@ -26,7 +26,7 @@ static ORDERED: Info = Info {
     id: "sh-product/ordered",
     about: "SH product of all sphere blockers, left to right",
     paper: "Zhou et al. 2005; Ren et al. 2006, eq. 6",
-    backends: &[Backend::Cpu],
+    backends: backends(OrderedProduct::SHADER),
     params: OrderedProduct::PARAMS,
     coupling: Coupling::Independent,
 };
@@ -37,11 +37,11 @@ impl Method for Ordered {
     }
 
     fn supports(&self, facts: &SceneFacts, request: &Request<'_>) -> Support {
-        supports(facts, request)
+        supports::<OrderedProduct>(facts, request)
     }
 
     fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {
-        Ok(Box::new(DirectLight::<OrderedProduct>::prepare(job, meter)?))
+        prepare::<OrderedProduct>(job, meter)
     }
 }
 
@@ -52,6 +52,7 @@ static TREE: Info = Info {
     id: "sh-product/tree",
     about: "SH product of all sphere blockers, over a binary tree",
     paper: "Ren et al. 2006, eq. 6, in another order",
+    backends: backends(TreeProduct::SHADER),
     params: TreeProduct::PARAMS,
     ..ORDERED
 };
@@ -62,10 +63,10 @@ impl Method for Tree {
     }
 
     fn supports(&self, facts: &SceneFacts, request: &Request<'_>) -> Support {
-        supports(facts, request)
+        supports::<TreeProduct>(facts, request)
     }
 
     fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {
-        Ok(Box::new(DirectLight::<TreeProduct>::prepare(job, meter)?))
+        prepare::<TreeProduct>(job, meter)
     }
 }

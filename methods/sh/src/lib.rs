@@ -65,6 +65,7 @@ mod quadrature;
 mod rotation;
 mod small;
 mod table;
+pub mod wgsl;
 mod zonal;
 
 pub use basis::evaluate;

@@ -89,6 +89,19 @@ impl<T: Real> Pieces<T> {
     }
 }
 
+impl Pieces<f32> {
+    /// Adds all numbers to a table: starts, ends, middles and scales of the pieces, then for each function and power the coefficients of
+    /// all pieces.
+    pub(crate) fn print(&self, table: &mut Vec<f32>) {
+        table.extend(self.starts);
+        table.extend(&self.starts[1..]);
+        table.push(self.end);
+        table.extend(self.middles);
+        table.extend(self.scales);
+        table.extend(self.functions.iter().flatten().flatten());
+    }
+}
+
 impl Piece {
     /// Interpolates at Chebyshev points and measures the error between them.
     fn fit(width: usize, start: f64, end: f64, f: &mut impl FnMut(f64, &mut [f64])) -> Self {

@@ -57,6 +57,13 @@ impl<T: Real> Small<T> {
     }
 }
 
+impl Small<f32> {
+    /// Adds the coefficients to a table, function by function.
+    pub(crate) fn print(&self, table: &mut Vec<f32>) {
+        table.extend(self.functions.iter().flatten());
+    }
+}
+
 /// The polynomials through Chebyshev points between 0 and `end`.
 fn through_chebyshev_points(width: usize, end: f64, f: &mut impl FnMut(f64, &mut [f64])) -> Vec<[f64; TERMS]> {
     let turn = |k: usize| (2 * k + 1) as f64 / (2 * TERMS) as f64 * std::f64::consts::PI;

@@ -22,9 +22,14 @@ pub(crate) struct State {
 impl<E: Exponential> Accumulator for LogSum<E> {
     type State = State;
     const PARAMS: &'static [ParamSpec] = E::PARAMS;
+    const SHADER: Option<&'static str> = E::SHADER;
 
     fn new(params: &Params) -> Self {
         LogSum { order: params::accumulated_order(params), exponential: E::new(params) }
+    }
+
+    fn shader_settings(params: &Params) -> [f32; 4] {
+        E::shader_settings(params)
     }
 
     fn state(&self) -> State {

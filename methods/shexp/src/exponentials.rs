@@ -38,12 +38,25 @@ const SQUARING: ParamSpec = ParamSpec {
     help: "offset c of the squaring count max(0, ⌊log2‖f̂‖ + c⌋); the paper prints 3",
 };
 
+/// The shader that ends with this file.
+macro_rules! shader {
+    ($file:literal) => {
+        Some(concat!(include_str!("wgsl/log_sum.wgsl"), include_str!($file)))
+    };
+}
+
 /// An exponential of SHEXP with its setting.
-pub(crate) trait Exponential: Send + Sync {
+pub(crate) trait Exponential: Send + Sync + 'static {
     /// All parameters of the variant.
     const PARAMS: &'static [ParamSpec];
+    /// What ends sums of logs on the GPU, with those before it; none if it does not run there.
+    const SHADER: Option<&'static str> = None;
     /// Setting from parameters.
     fn new(params: &Params) -> Self;
+    /// The same for the shader.
+    fn shader_settings(_: &Params) -> [f32; 4] {
+        [0.0; 4]
+    }
     /// Writes the exponentials of `log`, and the operations that each took to `spent`.
     fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]);
 }
@@ -56,9 +69,14 @@ pub(crate) struct PlainSeries {
 impl Exponential for PlainSeries {
     const PARAMS: &'static [ParamSpec] =
         blocker_params!(TERMS, params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
+    const SHADER: Option<&'static str> = shader!("wgsl/ps.wgsl");
 
     fn new(params: &Params) -> Self {
         PlainSeries { degree: params.int(TERMS.name) }
+    }
+
+    fn shader_settings(params: &Params) -> [f32; 4] {
+        [params.int(TERMS.name) as f32, 0.0, 0.0, 0.0]
     }
 
     fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
@@ -71,6 +89,7 @@ pub(crate) struct LinearExp;
 
 impl Exponential for LinearExp {
     const PARAMS: &'static [ParamSpec] = blocker_params!(params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
+    const SHADER: Option<&'static str> = shader!("wgsl/ol.wgsl");
 
     fn new(_: &Params) -> Self {
         LinearExp
@@ -108,9 +127,15 @@ pub(crate) struct SeriesExp {
 impl Exponential for SeriesExp {
     const PARAMS: &'static [ParamSpec] =
         blocker_params!(DEGREE, SQUARING, params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
+    const SHADER: Option<&'static str> = shader!("wgsl/ps_star.wgsl");
 
     fn new(params: &Params) -> Self {
         SeriesExp { degree: params.int(DEGREE.name), rule: squaring(params) }
+    }
+
+    fn shader_settings(params: &Params) -> [f32; 4] {
+        let degree = params.int(DEGREE.name) as f64;
+        [factor(params), (80.0 / degree).exp2() as f32, degree as f32, 0.0]
     }
 
     fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
@@ -126,9 +151,14 @@ pub(crate) struct HybridExp {
 impl Exponential for HybridExp {
     const PARAMS: &'static [ParamSpec] =
         blocker_params!(SQUARING, params::CUT, params::RATIO, params::CLUSTER, params::BAKE);
+    const SHADER: Option<&'static str> = shader!("wgsl/hyb.wgsl");
 
     fn new(params: &Params) -> Self {
         HybridExp { rule: squaring(params) }
+    }
+
+    fn shader_settings(params: &Params) -> [f32; 4] {
+        [factor(params), 0.0, 0.0, 0.0]
     }
 
     fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
@@ -149,6 +179,11 @@ impl Exponential for EigenExp {
     fn exp(&self, exp: &mut BatchExp<f32>, log: &[Block<f32>], out: &mut [Block<f32>], spent: &mut [sh::Work]) {
         exp.eigen(log, out, spent);
     }
+}
+
+/// 2 to the offset of the squaring rule.
+fn factor(params: &Params) -> f32 {
+    params.float(SQUARING.name).exp2() as f32
 }
 
 fn squaring(params: &Params) -> SquaringRule {

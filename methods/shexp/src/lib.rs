@@ -25,10 +25,12 @@
 
 mod cpu;
 mod exponentials;
+#[cfg(all(test, feature = "gpu"))]
+mod planted;
 mod quadrature;
 
-use halflight_blockers::{Accumulator, DirectLight, params, supports};
-use halflight_contract::{Backend, Coupling, Info, Job, Meter, Method, Params, Prepared, Request, Result, Support};
+use halflight_blockers::{Accumulator, backends, params, prepare, supports};
+use halflight_contract::{Coupling, Info, Job, Meter, Method, Params, Prepared, Request, Result, Support};
 use halflight_scenes::SceneFacts;
 
 use cpu::LogSum;
@@ -46,7 +48,7 @@ macro_rules! variant {
                     id: $id,
                     about: $about,
                     paper: $paper,
-                    backends: &[Backend::Cpu],
+                    backends: backends(LogSum::<$exponential>::SHADER),
                     params: LogSum::<$exponential>::PARAMS,
                     coupling: Coupling::Independent,
                 };
@@ -54,7 +56,7 @@ macro_rules! variant {
             }
 
             fn supports(&self, facts: &SceneFacts, request: &Request<'_>) -> Support {
-                supports(facts, request)
+                supports::<LogSum<$exponential>>(facts, request)
             }
 
             fn coupling(&self, params: &Params) -> Coupling {
@@ -66,7 +68,7 @@ macro_rules! variant {
             }
 
             fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {
-                Ok(Box::new(DirectLight::<LogSum<$exponential>>::prepare(job, meter)?))
+                prepare::<LogSum<$exponential>>(job, meter)
             }
         }
     };

@@ -19,10 +19,14 @@ pub struct Case<'a> {
     pub method: &'a dyn Method,
     /// The scene.
     pub scene: &'a Scene,
+    /// Where it runs.
+    pub backend: Backend,
     /// What is asked at its receivers.
     pub quantity: Quantity,
     /// Parameters, complete and in range.
     pub params: Params,
+    /// Parameters that variants leave as they are.
+    pub fixed: &'static [&'static str],
     /// The scene's first frames.
     pub frames: Vec<Frame>,
     /// Shared by all runs of the case, but for those that are about it.
@@ -30,24 +34,26 @@ pub struct Case<'a> {
 }
 
 impl<'a> Case<'a> {
-    /// A case with default parameters.
+    /// A case with default parameters on the CPU.
     pub fn new(method: &'a dyn Method, scene: &'a Scene, quantity: Quantity) -> Self {
         Case {
             method,
             scene,
+            backend: Backend::Cpu,
             quantity,
             params: Params::defaults(method.info().params),
+            fixed: &[],
             frames: (0..scene.frame_count.min(FRAMES)).map(|index| scene.frame(index)).collect(),
             cache: Arc::default(),
         }
     }
 
-    /// A case for every quantity that the method supports on the scene with default parameters: the three kinds of
-    /// radiance, and visibility at the lowest and the highest order that it has.
-    pub fn all(method: &'a dyn Method, scene: &'a Scene) -> Vec<Self> {
+    /// A case for every quantity that the method supports on the scene with default parameters and this backend: the three kinds
+    /// of radiance, and visibility at the lowest and the highest order that it has.
+    pub fn all(method: &'a dyn Method, scene: &'a Scene, backend: Backend) -> Vec<Self> {
         let orders: Vec<Quantity> = (1..=8).map(|order| Quantity::Visibility { order }).collect();
         let radiance = [Quantity::Direct, Quantity::Indirect { bounces: 1 }, Quantity::Total];
-        let whole = Case::new(method, scene, Quantity::Direct);
+        let whole = Case { backend, ..Case::new(method, scene, Quantity::Direct) };
         let supported = |quantities: &[Quantity]| -> Vec<Quantity> {
             quantities.iter().copied().filter(|quantity| whole.asking(*quantity).is_supported()).collect()
         };
@@ -78,18 +84,17 @@ impl<'a> Case<'a> {
         'a: 'b,
     {
         let fresh = Case::new(self.method, scene, self.quantity);
-        Case { params: self.params.clone(), ..fresh }
+        Case { params: self.params.clone(), backend: self.backend, fixed: self.fixed, ..fresh }
     }
 
     /// Whether the method says that it runs this case, exactly or not.
     pub fn is_supported(&self) -> bool {
-        let backend = self.backend();
-        let request = Request { quantity: self.quantity, backend, params: &self.params };
+        let request = Request { quantity: self.quantity, backend: self.backend, params: &self.params };
         !matches!(self.method.supports(&self.scene.facts(), &request), Support::Skip(_))
     }
 
     /// This case with one parameter at a time set to its least, middle and greatest value, or to every word or switch,
-    /// as far as the method supports it. What it is set to already is left out.
+    /// as far as the method supports it. What it is set to already is left out, and what is fixed.
     pub fn variants(&self) -> Vec<(&'static ParamSpec, Self)> {
         let specs = self.method.info().params;
         let vary = |spec: &'static ParamSpec| settings(spec).into_iter().map(move |text| (spec, text));
@@ -100,13 +105,19 @@ impl<'a> Case<'a> {
             (spec, self.tuned(params))
         };
         let differs = |case: &Self| case.params != self.params && case.is_supported();
-        specs.iter().flat_map(vary).map(tune).filter(|(_, case)| differs(case)).collect()
+        specs
+            .iter()
+            .filter(|spec| !self.fixed.contains(&spec.name))
+            .flat_map(vary)
+            .map(tune)
+            .filter(|(_, case)| differs(case))
+            .collect()
     }
 
     /// The method made ready for the scene, deriving from the given cache.
     pub fn prepare(&self, cache: &Cache, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 'a>, Error> {
         let seed = 1;
-        self.method.prepare(&Job::new(self.scene, &self.params, seed, self.backend(), cache), meter)
+        self.method.prepare(&Job::new(self.scene, &self.params, seed, self.backend, cache), meter)
     }
 
     /// Updates, evaluates and reads a frame.
@@ -144,12 +155,8 @@ impl<'a> Case<'a> {
         body().map_err(|Breach(found)| Violation {
             check,
             method: self.method.info().id,
-            detail: format!("scene {}, {}: {found}", self.scene.name, self.quantity),
+            detail: format!("scene {}, {}, {}: {found}", self.scene.name, self.quantity, self.backend),
         })
-    }
-
-    fn backend(&self) -> Backend {
-        self.method.info().backends.first().copied().unwrap_or(Backend::Cpu)
     }
 }
 

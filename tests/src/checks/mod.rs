@@ -13,11 +13,12 @@ mod light;
 mod meters;
 mod order;
 mod output;
+mod planted;
 mod retuning;
 
 use std::fmt;
 
-use halflight_contract::Method;
+use halflight_contract::{Backend, Method};
 use halflight_scenes::Scene;
 
 pub use cancelling::{MAX_CALLS_AFTER_CANCEL, cancellation};
@@ -29,6 +30,7 @@ pub use light::{linear_in_light, turning_light};
 pub use meters::meter_balanced;
 pub use order::permuted_receivers;
 pub use output::{dirty_output, finite_output, repeated_evaluation};
+pub use planted::{Fault, planted};
 pub use retuning::retuned_equals_fresh;
 
 /// Where a method breaks the contract.
@@ -71,11 +73,11 @@ pub const CHECKS: &[(&str, Check)] = &[
     ("footprint_counts_results", footprint_counts_results),
 ];
 
-/// Runs every check on every quantity that the method supports with default parameters on these scenes.
+/// Runs every check on every quantity that the method supports with default parameters on these scenes, on the CPU.
 ///
 /// A method that supports nothing on any of them is a violation too: nothing would have been checked.
 pub fn check_all(method: &dyn Method, scenes: &[Scene]) -> Vec<Violation> {
-    let cases: Vec<Case<'_>> = scenes.iter().flat_map(|scene| Case::all(method, scene)).collect();
+    let cases: Vec<Case<'_>> = scenes.iter().flat_map(|scene| Case::all(method, scene, Backend::Cpu)).collect();
     if cases.is_empty() {
         let detail = format!("it supports no quantity on any of the {} scenes: nothing was checked", scenes.len());
         return vec![Violation { check: "check_all", method: method.info().id, detail }];

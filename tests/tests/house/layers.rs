@@ -22,7 +22,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("methods/light", &["methods/contract", "methods/sh", "scenes"]),
     ("methods/horizons", &["methods/sh/kernels", "scenes"]),
     ("methods/proxies", &["harness/revision", "methods/contract", "references/trace", "scenes"]),
-    ("methods/blockers", &["methods/contract", "methods/light", "methods/proxies", "methods/sh", "scenes"]),
+    (
+        "methods/blockers",
+        &["methods/contract", "methods/gpu", "methods/light", "methods/proxies", "methods/sh", "scenes"],
+    ),
     (
         "references",
         &[
@@ -42,6 +45,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "harness/results",
             "methods/blockers",
             "methods/contract",
+            "methods/gpu",
             "methods/horizons",
             "methods/light",
             "methods/proxies",

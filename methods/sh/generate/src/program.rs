@@ -121,6 +121,21 @@ impl Program {
         outputs.into_iter()
     }
 
+    /// The values that are written, by the index of their output.
+    pub(crate) fn written(&self) -> impl Iterator<Item = (usize, Id)> {
+        self.outputs.iter().copied()
+    }
+
+    /// The step that makes a value.
+    pub(crate) fn step(&self, id: Id) -> Op {
+        self.ops[id]
+    }
+
+    /// The steps that outputs depend on.
+    pub(crate) fn live_steps(&self) -> impl Iterator<Item = (Id, Op)> {
+        self.ops.iter().copied().enumerate().zip(self.live()).filter(|(_, live)| *live).map(|(step, _)| step)
+    }
+
     /// Which steps the outputs depend on.
     fn live(&self) -> Vec<bool> {
         let mut live = vec![false; self.ops.len()];

@@ -35,6 +35,14 @@ fn fit<T: Real>(order: usize) -> Fit<T> {
     Fit { small, large: Pieces::fit(order, &breaks, |_| 1.0, log) }
 }
 
+/// Up to which `sin²θ` a circle is small, and the fits' coefficients one after the other.
+pub(crate) fn circle_log_fits(order: usize) -> (f32, Vec<f32>) {
+    let (fit, mut table) = (logs::<f32>(order), Vec::new());
+    fit.small.print(&mut table);
+    fit.large.print(&mut table);
+    (fit.small.end(), table)
+}
+
 struct Logs<'a, T> {
     order: usize,
     sines: &'a [Block<T>],

@@ -10,6 +10,7 @@ mod log;
 mod rotation;
 mod series;
 
+pub(crate) use circles::circle_log_fits;
 pub use exp::BatchExp;
 pub use log::BatchLog;
 

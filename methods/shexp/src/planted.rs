@@ -1,0 +1,39 @@
+//! A wrong number in any of the shaders' files is seen; those that all sphere-blocker methods share are `sh-product`'s to plant in.
+
+use halflight_blockers::{GpuDirectLight, source};
+use halflight_contract::{Method, NoMeter, Params, Quantity};
+use halflight_tests::checks::{Case, Fault, planted};
+use halflight_tests::fixtures;
+
+use crate::cpu::LogSum;
+use crate::exponentials::{Exponential, HybridExp, LinearExp, PlainSeries, SeriesExp};
+
+/// Plants faults in the shader of a variant.
+fn check<E: Exponential>(method: &dyn Method, faults: &[Fault]) {
+    let params = Params::resolve(E::PARAMS, [("order", "2")]).expect("in range");
+    let scene = fixtures::two_lights();
+    let case = Case::new(method, &scene, Quantity::Direct).tuned(params);
+    let (right, wrong) = planted(&case, faults, |job, (text, fault)| {
+        let whole = source::<LogSum<E>>(2);
+        assert!(whole.contains(text), "{text} is not in the shader");
+        let text = Box::new(move |_| whole.replacen(text, fault, 1));
+        Ok(Box::new(GpuDirectLight::<LogSum<E>>::with_source(job, &mut NoMeter, text)?))
+    });
+    assert!(right < 1e-5, "{right:e} without a fault");
+    assert!(wrong.iter().all(|distance| *distance > 5e-5), "{faults:?} change {wrong:?}");
+}
+
+#[test]
+fn a_wrong_number_is_seen() {
+    check::<HybridExp>(
+        &crate::Hyb,
+        &[
+            ("(clamped - middle)", "(clamped - 1.1f * middle)"), // common.wgsl
+            ("f[0] / SQRT_4_PI", "f[0] / 3.55f"),                // log_sum.wgsl
+            ("given.squarings)", "given.squarings - 1)"),        // hyb.wgsl
+        ],
+    );
+    check::<LinearExp>(&crate::Ol, &[("1e-30f, 1e30f", "1e-30f, 0.1f")]);
+    check::<PlainSeries>(&crate::Ps, &[("1f / f32(power)", "1.001f / f32(power)")]);
+    check::<SeriesExp>(&crate::PsStar, &[("reciprocal = 1f", "reciprocal = 1.1f")]);
+}
