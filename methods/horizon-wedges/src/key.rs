@@ -1,6 +1,6 @@
 //! Key lights: the swath that covers one, and the light that it then needs.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 use halflight_light::project;
@@ -14,9 +14,6 @@ use crate::table::Wedges;
 /// Most halvings of the full circle that a swath is narrowed by: 2.8°.
 const NARROWEST: u32 = 7;
 
-/// The steepest of the slopes that a light is fitted to, radians.
-const STEEPEST: f64 = FRAC_PI_4;
-
 /// Rings of the sums over a light's disc, each of as many points.
 const RINGS: usize = 64;
 
@@ -28,21 +25,18 @@ pub(crate) enum Level {
     /// The receiver that gets most of what passes an open swath gets what a receiver that faces the light does (Snyder and Nowrouzezahrai
     /// 2008, caption of Fig. 6).
     Facing,
-    /// Slopes to all sides get the least squared error through an open swath.
-    Slopes,
     /// What the spherical harmonics leave.
     Plain,
 }
 
 impl Level {
-    pub(crate) const NAMES: &'static [&'static str] = &["ground", "slopes", "facing", "plain"];
+    pub(crate) const NAMES: &'static [&'static str] = &["facing", "ground", "plain"];
 
     pub(crate) fn named(name: &str) -> Level {
         match name {
-            "slopes" => Level::Slopes,
-            "facing" => Level::Facing,
+            "ground" => Level::Ground,
             "plain" => Level::Plain,
-            _ => Level::Ground,
+            _ => Level::Facing,
         }
     }
 }
@@ -108,7 +102,6 @@ pub(crate) fn light(key: &KeyLight, level: Level, opening: &Opening<'_>) -> [Vec
         Level::Plain => 1.0,
         Level::Facing => ratio(irradiance(key, facing), brightest(order, &through, facing)),
         Level::Ground => ratio(irradiance(key, DVec3::Z), at(order, &through, DVec3::Z)),
-        Level::Slopes => slopes(order, &through, facing) * irradiance(key, facing),
     };
     key.radiance
         .to_array()
@@ -120,24 +113,6 @@ fn attenuate(window: Option<&[f32]>, vector: &mut [f64]) {
         let window: Vec<f64> = window.iter().map(|factor| f64::from(*factor)).collect();
         apply_bands(&window, vector);
     }
-}
-
-/// The scale by which slopes of up to [`STEEPEST`] to all sides get most nearly (least squares) what `max(0, n·d)` says, the light being in
-/// direction `d`.
-fn slopes(order: usize, light: &[f64], d: DVec3) -> f64 {
-    let (mut both, mut square) = (0.0, 0.0);
-    for tilt in 0..=8 {
-        let (sin, cos) = (STEEPEST * f64::from(tilt) / 8.0).sin_cos();
-        for turn in 0..16 {
-            let (y, x) = (TAU * f64::from(turn) / 16.0).sin_cos();
-            let normal = DVec3::new(sin * x, sin * y, cos);
-            let (found, wanted) = (at(order, light, normal), normal.dot(d).max(0.0));
-            // Solid angles grow by the sine.
-            both += sin.max(0.01) * found * wanted;
-            square += sin.max(0.01) * found * found;
-        }
-    }
-    ratio(both, square)
 }
 
 /// None of the light where a swath lets none through.
@@ -181,4 +156,35 @@ fn brightest(order: usize, light: &[f64], facing: DVec3) -> f64 {
     let [before, here, after] = [-1.0, 0.0, 1.0].map(|step| turned(best + step));
     let bend = before - 2.0 * here + after;
     if bend < 0.0 { here - 0.125 * (after - before) * (after - before) / bend } else { here }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of all normals the one that gets most through an open swath gets what faces the light, windows or not.
+    #[test]
+    fn what_gets_most_gets_what_faces_the_light() {
+        let order = 4;
+        let direction = glam::Vec3::new(0.5, 0.4, 0.3).normalize();
+        let key = KeyLight { direction, angular_radius: 0.05, radiance: Rgb::ONE };
+        for window in [None, Some(&[1.0, 0.8, 0.5, 0.3][..])] {
+            for extent in [20.0f64, 90.0] {
+                let swath = swath(&key, extent.to_radians(), 3).expect("a partial one");
+                let (tables, wedges) = (Wedges::new(order, swath.step), swath.wedges(order));
+                let opening =
+                    Opening { tables: &tables, wedges: &wedges, light_window: window, visibility_window: window };
+                let [light, ..] = light(&key, Level::Facing, &opening);
+                let passed = opening.passed(&light.iter().map(|value| f64::from(*value)).collect::<Vec<_>>());
+                let most = (0..180 * 360).map(|i| {
+                    let [(up, level), (y, x)] =
+                        [f64::from(i / 360) - 90.0, f64::from(i % 360)].map(|degrees| degrees.to_radians().sin_cos());
+                    at(order, &passed, DVec3::new(level * x, level * y, up))
+                });
+                let most = most.fold(0.0, f64::max);
+                let expected = 0.05f64.sin().powi(2);
+                assert!((most / expected - 1.0).abs() < 1e-3, "{extent}: {most} for {expected}");
+            }
+        }
+    }
 }

@@ -5,8 +5,11 @@
 //! Radiance is `albedo · L · (H(N) * V)`, an SH product and a dot product; `H` has the `1/π` of this house.
 //!
 //! Environments and skies are seen through the complete swath. A key light is seen through a partial swath about its azimuth, the smallest
-//! that covers it, as though it were restricted to it; its level is then that of unshadowed shading on level ground, or, as the caption of
-//! Fig. 6 has it, on what faces it (`key-level`).
+//! that covers it, as though it were restricted to it; its level is then that of unshadowed shading on what faces it, as the caption of
+//! Fig. 6 has it, or on level ground (`key-level`). One scale does not do for both: with the sun at 10° level ground gets 1.8 times
+//! its due by the former, a slope of 30° that faces it 0.6 of its by the latter. RMSE by the sweep, order 4, facing : ground:
+//! `jacksboro-sunrise` (sun at 8°) 0.101 : 0.069, `cone` 0.031 : 0.030, `fractal-256-key` 0.027 : 0.033, `waves` 0.020 : 0.026, grown
+//! hills 0.037 : 0.041; a least-squares fit to slopes lies between.
 //!
 //! # Variants
 //!
@@ -16,8 +19,9 @@
 //!
 //! # Limits
 //!
-//! Light from below elevation 0 does not arrive: the ground is taken to reach out to there. Beyond its border nothing hides light, or the
-//! field goes on as at the border (`border`; the sweep has the former alone). A light of order n is never wholly within a swath: through one of 22.5° an order-4 lobe still fades over elevation as a lobe
+//! Light from below elevation 0 arrives as truncation leaves it: hardly through partial swaths, a little through the complete one. Beyond
+//! its border nothing hides light, or the field goes on as at the border (`border`; the sweep has the former alone). A light of order n
+//! is never wholly within a swath: through one of 22.5° an order-4 lobe still fades over elevation as a lobe
 //! does. Receivers that do not lie on the field are taken to stand on it below where they are.
 
 mod casters;

@@ -36,8 +36,7 @@ pub(crate) const KEY_LEVEL: ParamSpec = ParamSpec {
     name: "key-level",
     kind: Kind::Choice(crate::key::Level::NAMES),
     phase: Phase::Update,
-    help: "unshadowed key light within a swath is scaled right for level receivers, or nearly right for slopes up to 45°, or right for \
-           what faces the light, or not",
+    help: "unshadowed key light within a swath is scaled right for receivers that face it, or for level ones, or not",
 };
 
 /// That of all families, but a key light's level depends on it.
