@@ -58,7 +58,8 @@ fn halved(times: u32) -> f64 {
 /// the full circle. `wanted`, in radians, takes its place where it is not 0.
 pub(crate) fn swath(key: &KeyLight, wanted: f64, azimuths: usize) -> Option<Swath> {
     let covering = |extent| (1..=NARROWEST).rev().map(halved).find(|swath| *swath >= extent);
-    let extent = if wanted > 0.0 { wanted } else { extent(key).and_then(covering)? };
+    let needed = extent(key)?;
+    let extent = if wanted > 0.0 { wanted } else { covering(needed)? };
     let direction = key.direction.as_dvec3();
     Some(Swath::partial(direction.y.atan2(direction.x), extent, azimuths))
 }
