@@ -56,6 +56,8 @@ struct Chunk<'a> {
     valid: &'a [usize],
     /// Elevations of the horizon, azimuth after azimuth.
     elevations: Vec<f32>,
+    /// Whether the field hides a sun, sun after sun.
+    hidden: Vec<bool>,
     places: Places,
     /// Visibilities, with room for whole lanes.
     vectors: Vec<f32>,
@@ -104,6 +106,7 @@ impl Shading<'_> {
             receivers,
             valid,
             elevations: vec![0.0; valid.len() * self.plan.azimuths.len()],
+            hidden: vec![false; valid.len() * self.plan.suns.len()],
             places: Places::default(),
             vectors: vec![0.0; groups * LANES * size],
             weights: vec![Block::ZERO; groups * size],
@@ -115,8 +118,22 @@ impl Shading<'_> {
     fn look(&self, chunk: &mut Chunk<'_>) {
         let places: Vec<Vec2> = chunk.valid.iter().map(|&i| self.ground.place(chunk.receivers, i)).collect();
         let (x, y): (Vec<f32>, Vec<f32>) = places.iter().map(|place| (place.x, place.y)).unzip();
-        let all = 0..self.plan.azimuths.len();
-        self.horizons.elevations(Points { x: &x, y: &y }, all, &mut chunk.elevations);
+        let (at, count) = (Points { x: &x, y: &y }, chunk.valid.len());
+        if self.plan.suns.is_empty() {
+            self.horizons.elevations(at, 0..self.plan.azimuths.len(), &mut chunk.elevations);
+            return;
+        }
+        for view in &self.plan.views {
+            let azimuths = view.first..view.first + view.azimuths;
+            self.horizons.elevations(
+                at,
+                azimuths.clone(),
+                &mut chunk.elevations[count * azimuths.start..count * azimuths.end],
+            );
+        }
+        for (sun, hidden) in self.plan.suns.iter().zip(chunk.hidden.chunks_exact_mut(count)) {
+            self.horizons.hidden(at, sun.azimuth, sun.elevation.max(0.0), hidden);
+        }
     }
 
     fn beside(&self, casters: &Casters<'_>, chunk: &mut Chunk<'_>, tally: &mut Tally) {
@@ -195,11 +212,13 @@ impl Shading<'_> {
 
     fn suns(&self, chunk: &mut Chunk<'_>) {
         let count = chunk.valid.len();
-        for sun in &self.plan.suns {
-            let horizons = &chunk.elevations[sun.azimuth * count..][..count];
-            for (place, (&receiver, &horizon)) in chunk.valid.iter().zip(horizons).enumerate() {
+        for (sun, hidden) in self.plan.suns.iter().zip(chunk.hidden.chunks_exact(count)) {
+            if sun.elevation <= 0.0 {
+                continue;
+            }
+            for (place, (&receiver, &hidden)) in chunk.valid.iter().zip(hidden).enumerate() {
                 let cosine = sun.direction.dot(chunk.receivers.normal[receiver]).max(0.0);
-                let seen = if horizon.max(0.0) < sun.elevation { cosine } else { 0.0 };
+                let seen = if hidden { 0.0 } else { cosine };
                 let colour = (sun.irradiance * seen).to_array();
                 let sums = &mut chunk.irradiance[place / LANES];
                 sums.iter_mut().zip(colour).for_each(|(sum, value)| sum.0[place % LANES] += value);
