@@ -32,13 +32,22 @@ const GENERATED: [&str; crate::MAX_ORDER] = [
 /// What is the same for all orders.
 const COMMON: &str = include_str!("common.wgsl");
 
+/// What is generated for an order, for shaders that need no tables: `ORDER`, `SIZE`, `Zonal`, `Vector`, `CLAMPED_COSINE`, `product`,
+/// `square` and `rotate_zonal`.
+///
+/// # Panics
+/// As [`algebra`].
+pub fn generated(order: usize) -> &'static str {
+    assert_order(order);
+    GENERATED[order - 1]
+}
+
 /// The functions of an order, to be put before a shader that declares `tables`.
 ///
 /// # Panics
 /// If the order is outside 1 to [`MAX_ORDER`](crate::MAX_ORDER).
 pub fn algebra(order: usize) -> String {
-    assert_order(order);
-    let mut text = GENERATED[order - 1].to_owned();
+    let mut text = generated(order).to_owned();
     let (small_end, _) = crate::batch::circle_log_fits(order);
     let linear_end = if order > 1 { linear_pieces::<f32>(order).1 } else { 1.0 };
     let constants =
