@@ -145,13 +145,15 @@ mod planted {
         let faults = [
             ("t4 = 0.2820948f", "t4 = 0.283f"),           // generated
             ("PI: f32 = 3.1415927f", "PI: f32 = 3.145f"), // common.wgsl
-            ("0.5f * (height", "0.52f * (height"),        // direct.wgsl
+            ("0.5f * (height", "0.52f * (height"),        // seen.wgsl
             ("before == 0u", "before == 1u"),             // ordered.wgsl
         ];
         let (right, wrong) = planted(&case, &faults, |job, (text, fault)| {
-            let whole = source::<OrderedProduct>(2);
-            assert!(whole.contains(text), "{text} is not in the shader");
-            let text = Box::new(move |_| whole.replacen(text, fault, 1));
+            let text = Box::new(move |order, needs| {
+                let whole = source::<OrderedProduct>(order, needs);
+                assert!(whole.contains(text), "{text} is not in the shader");
+                whole.replacen(text, fault, 1)
+            });
             Ok(Box::new(GpuDirectLight::<OrderedProduct>::with_source(job, &mut NoMeter, text)?))
         });
         assert!(right < 1e-5, "{right:e} without a fault");

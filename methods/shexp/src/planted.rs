@@ -14,9 +14,11 @@ fn check<E: Exponential>(method: &dyn Method, faults: &[Fault]) {
     let scene = fixtures::two_lights();
     let case = Case::new(method, &scene, Quantity::Direct).tuned(params);
     let (right, wrong) = planted(&case, faults, |job, (text, fault)| {
-        let whole = source::<LogSum<E>>(2);
-        assert!(whole.contains(text), "{text} is not in the shader");
-        let text = Box::new(move |_| whole.replacen(text, fault, 1));
+        let text = Box::new(move |order, needs| {
+            let whole = source::<LogSum<E>>(order, needs);
+            assert!(whole.contains(text), "{text} is not in the shader");
+            whole.replacen(text, fault, 1)
+        });
         Ok(Box::new(GpuDirectLight::<LogSum<E>>::with_source(job, &mut NoMeter, text)?))
     });
     assert!(right < 1e-5, "{right:e} without a fault");

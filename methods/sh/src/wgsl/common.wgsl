@@ -92,6 +92,31 @@ fn circle_visibility(sine: f32) -> Zonal {
     return zonal;
 }
 
+/// `∫ y_l0` over a circle about z.
+fn circle_light(sine: f32) -> Zonal {
+    let height = circle_height(sine);
+    let cosine = 1f - height;
+    let square = height * (1f + cosine);
+    var zonal = Zonal();
+    zonal[0] = sqrt(PI) * height;
+    var below = 1f;
+    var p = cosine;
+    var slope_below = 0f;
+    var slope = 1f;
+    for (var l = 1u; l < ORDER; l++) {
+        let width = f32(2u * l + 1u);
+        let next = f32(l + 1u);
+        zonal[l] = sqrt(PI * width) / (f32(l) * next) * square * slope;
+        let slope_above = fma(width, p, slope_below);
+        let above = fma(-below, f32(l) / next, width / next * cosine * p);
+        below = p;
+        p = above;
+        slope_below = slope;
+        slope = slope_above;
+    }
+    return zonal;
+}
+
 /// Where in its piece `x` lies.
 struct Place {
     piece: u32,

@@ -8,6 +8,7 @@
 //! | `product(a, b)`, `square(a)` | [`Batch::product`](crate::Batch::product), [`Batch::square`](crate::Batch::square) |
 //! | `rotate_zonal(zonal, direction)` | [`Batch::rotate_zonal`](crate::Batch::rotate_zonal) |
 //! | `circle_visibility(sine)` | [`Batch::circle_visibilities`](crate::Batch::circle_visibilities) |
+//! | `circle_light(sine)` | [`Batch::circle_lights`](crate::Batch::circle_lights) |
 //! | `circle_log(sine)` | [`Batch::circle_logs`](crate::Batch::circle_logs) |
 //! | `optimal_linear(norm)` | the factors of [`BatchExp::optimal_linear`](crate::BatchExp::optimal_linear) |
 //! | `guarded(g)` | [`project_binary_bound`](crate::project_binary_bound) |
