@@ -28,6 +28,10 @@ pub use shader::{Needs, Text, source};
 /// A receiver as the shader sees it: position and cluster, geometric normal, normal and albedo, each padded.
 type Seer = [[f32; 4]; 4];
 
+/// The most spheres before a receiver in software: lavapipe ends all loops of a thread after 65 535 rounds in sum, without a word; an
+/// exponential of order 8 may need 16 000.
+const SOFTWARE_SPHERES: u64 = 45_000;
+
 /// The receivers' revision, and what clusters were made for.
 type Order = (Revision, Option<(Revision, usize)>);
 
@@ -147,6 +151,17 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
         words
     }
 
+    /// Refuses more spheres than a receiver's thread gets through.
+    fn within_rounds(&self) -> Result<()> {
+        let spheres = self.cuts.as_ref().map_or(self.stage.spheres.spheres.len() as u64, Cuts::longest);
+        if self.gpu.adapter().is_software() && spheres > SOFTWARE_SPHERES {
+            let name = &self.gpu.adapter().name;
+            let what = format!("{name}: {spheres} spheres before a receiver, expected at most {SOFTWARE_SPHERES}");
+            return Err(Error::Device(what));
+        }
+        Ok(())
+    }
+
     /// Runs the shader over all receivers, as many at a time as a binding holds.
     fn shade(&self, meter: &mut dyn Meter) -> Result<()> {
         let (each, wanted) = (size_of::<Seer>() as u64, 4 * self.quantity.channels() as u64);
@@ -252,6 +267,7 @@ impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
         // Parameters may have changed since the update.
         self.show(receivers, meter)?;
         self.place(receivers, meter)?;
+        self.within_rounds()?;
         let order = params::accumulated_order(&self.params);
         self.tables.sync(&self.gpu, Revision(order as u64), meter, || wgsl::tables(order))?;
         self.settings.upload(&self.gpu, meter, &self.settings())?;

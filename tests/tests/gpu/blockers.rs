@@ -4,9 +4,11 @@ mod cuts;
 mod lamps;
 mod stress;
 
+use std::f32::consts::PI;
+
 use halflight_contract::{Backend, Cache, Flow, Job, Meter, Method, NoMeter, Params, Quantity, Request, Support};
 use halflight_proxies::{SelfShadow, seen};
-use halflight_scenes::{Scene, Shape};
+use halflight_scenes::{Scene, Shape, Sphere};
 use halflight_tests::checks::Case;
 use halflight_tests::fixtures;
 
@@ -33,27 +35,42 @@ fn orders(method: &dyn Method) -> &'static [u8] {
 /// coefficients and turning them, 3n for the three sums of a product of rings; an exponential costs a product for each squaring or
 /// power, at most 21. Each squaring doubles a relative error, but was scaled down before as often.
 ///
-/// A sine near 1 loses half its digits on its way to a cosine: 4 roundings of it change the cosine by 4u/cos θ.
-fn tolerance(order: u8, circles: usize, least_cosine: f32) -> f32 {
+/// A sine near 1 loses half its digits on its way to a cosine, by which band l changes √(π(2l+1)) times: that is what `blur` is about.
+fn tolerance(order: u8, Seen { circles, blur }: Seen) -> f32 {
     let roundings = 2.0 * 4.0 * f32::from(order) * (circles + 21) as f32;
-    let norm = (4.0 * std::f32::consts::PI).sqrt();
-    4.0 * roundings.sqrt() * ROUNDING * norm + circles as f32 * 4.0 * ROUNDING / least_cosine
+    let norm = (4.0 * PI).sqrt();
+    4.0 * roundings.sqrt() * ROUNDING * norm + (PI * f32::from(2 * order - 1)).sqrt() * blur
 }
 
-/// The number of spheres of a scene, and the least cosine of the circles that receivers see.
-fn circles(scene: &Scene) -> (usize, f32) {
-    let (frame, mut count, mut least) = (scene.frame(0), 0, 1.0f32);
-    let receivers = &frame.receivers;
-    for object in frame.objects.iter().filter(|object| scene.objects[object.object].casts) {
-        let Shape::Spheres(spheres) = &*object.in_place() else { continue };
-        count += spheres.len();
-        for receiver in 0..receivers.len() {
+/// What there is to be seen at the receivers of a scene.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Spheres.
+    circles: usize,
+    /// The most that 4 roundings of each sine change the cosines of a receiver's circles in sum: each by `4u/cos θ`, and no more
+    /// than `√8u`.
+    blur: f32,
+}
+
+impl Seen {
+    fn of(scene: &Scene) -> Self {
+        let frame = scene.frame(0);
+        let casting = frame.objects.iter().filter(|object| scene.objects[object.object].casts);
+        let spheres: Vec<Sphere> = casting
+            .filter_map(|object| match &*object.in_place() {
+                Shape::Spheres(spheres) => Some(spheres.clone()),
+                _ => None,
+            })
+            .flatten()
+            .collect();
+        let receivers = &frame.receivers;
+        let blur = |receiver: usize| {
             let (position, normal) = (receivers.position[receiver], receivers.geometric_normal[receiver]);
             let circles = spheres.iter().filter_map(|s| seen(SelfShadow::Continuous, position, normal, s));
-            least = circles.map(|circle| circle.cos_angle()).fold(least, f32::min);
-        }
+            circles.map(|circle| (4.0 * ROUNDING / circle.cos_angle()).min((8.0 * ROUNDING).sqrt())).sum::<f32>()
+        };
+        Seen { circles: spheres.len(), blur: (0..receivers.len()).map(blur).fold(0.0, f32::max) }
     }
-    (count, least)
 }
 
 /// The largest difference between the backends.
@@ -71,11 +88,11 @@ fn tuned(method: &dyn Method, settings: &str) -> Params {
 #[test]
 fn bands_beyond_the_order_are_dropped_before_shading() {
     let scene = fixtures::two_lights();
-    let (circles, least) = circles(&scene);
+    let seen = Seen::of(&scene);
     for method in methods() {
         let case = Case::new(method, &scene, Quantity::Direct).tuned(tuned(method, "order=1 extra-bands=1"));
         let largest = apart(&case);
-        assert!(largest <= tolerance(2, circles, least), "{}: {largest:e}", method.info().id);
+        assert!(largest <= tolerance(2, seen), "{}: {largest:e}", method.info().id);
     }
 }
 
@@ -83,8 +100,7 @@ fn bands_beyond_the_order_are_dropped_before_shading() {
 fn agree(method: &dyn Method, orders: &[u8]) {
     let scenes = [fixtures::sphere_over_plane(), fixtures::overlapping_spheres(), fixtures::two_lights()];
     for (scene, &order) in scenes.iter().flat_map(|scene| orders.iter().map(move |order| (scene, order))) {
-        let (circles, least) = circles(scene);
-        let tolerance = tolerance(order, circles, least);
+        let tolerance = tolerance(order, Seen::of(scene));
         for quantity in [Quantity::Direct, Quantity::Visibility { order }] {
             let largest = apart(&Case::new(method, scene, quantity).tuned(with_order(method, order)));
             let (id, name) = (method.info().id, &scene.name);

@@ -123,6 +123,11 @@ impl Cuts {
         self.clustered.clusters().par_iter().map(cut).collect()
     }
 
+    /// Spheres of the largest cut.
+    pub(super) fn longest(&self) -> u64 {
+        self.visits.largest
+    }
+
     /// Whether logs are scaled.
     pub(super) fn scales(&self) -> bool {
         self.rule.ratios

@@ -15,10 +15,5 @@ fn matched(log: Zonal, place: u32) -> Zonal {
     if settings.ratios == 0u {
         return log;
     }
-    let ratio = ratios[place];
-    var zonal = log;
-    for (var l = 0u; l < ORDER; l++) {
-        zonal[l] *= ratio[l];
-    }
-    return zonal;
+    return scaled_bands(log, ratios[place]);
 }

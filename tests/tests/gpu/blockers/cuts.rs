@@ -5,7 +5,7 @@ use halflight_scenes::{Light, Rgb, Scene, Sky};
 use halflight_tests::checks::{self, Case};
 use halflight_tests::fixtures;
 
-use super::{Counted, apart, circles, count_alike, methods, tolerance, tuned};
+use super::{Seen, Counted, apart, count_alike, methods, tolerance, tuned};
 
 /// The methods that sum logs.
 fn with_cuts() -> impl Iterator<Item = &'static dyn Method> {
@@ -19,13 +19,13 @@ const SETTINGS: [&str; 4] =
 #[test]
 fn backends_agree_on_cuts() {
     let scene = fixtures::heaps();
-    let (circles, least) = circles(&scene);
+    let seen = Seen::of(&scene);
     for method in with_cuts() {
         for settings in SETTINGS {
             let params = tuned(method, settings);
             let order = params.int("order") as u8;
             // Ratio vectors make a bounding sphere's log as long as the sum of what it bounds.
-            let tolerance = tolerance(order, circles, least);
+            let tolerance = tolerance(order, seen);
             for quantity in [Quantity::Direct, Quantity::Visibility { order }] {
                 let largest = apart(&Case::new(method, &scene, quantity).tuned(params.clone()));
                 let id = method.info().id;

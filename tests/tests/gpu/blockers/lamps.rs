@@ -1,11 +1,11 @@
 //! Lamps, alone and beside distant light.
 
-use halflight_contract::{Method, Quantity};
+use halflight_contract::Quantity;
 use halflight_scenes::{Emission, Object, Rgb, Scene, Shape, Sphere};
 use halflight_tests::checks::Case;
 use halflight_tests::fixtures;
 
-use super::{apart, circles, count_alike, methods, tolerance, tuned};
+use super::{Seen, apart, count_alike, methods, tolerance, tuned};
 use crate::ROUNDING;
 
 /// Three lamps over two lights' spheres: near the ground, high, and far with next to nothing of a circle.
@@ -52,14 +52,14 @@ fn allowed(scene: &Scene, order: u8, lobes: bool, visibility: f32) -> f32 {
 #[test]
 fn backends_agree_on_lamps() {
     for scene in [fixtures::moving_lamp(), lamps()] {
-        let (circles, least) = circles(&scene);
+        let seen = Seen::of(&scene);
         for (method, order) in methods().flat_map(|method| [2u8, 3].map(|order| (method, order))) {
             for settings in ["", "guard=false", "window-light=true", "lamps=lobe"] {
                 let id = method.info().id;
                 if order == 3 && (id != "sh-product/ordered" || !["", "lamps=lobe"].contains(&settings)) {
                     continue;
                 }
-                let visibility = tolerance(order, circles, least);
+                let visibility = tolerance(order, seen);
                 let allowed = visibility + allowed(&scene, order, settings.contains("lobe"), visibility);
                 let params = tuned(method, &format!("order={order} {settings}"));
                 let largest = apart(&Case::new(method, &scene, Quantity::Direct).tuned(params));
@@ -105,8 +105,8 @@ fn both_backends_count_the_same_work_under_lamps() {
         let has_cuts = method.info().params.iter().any(|spec| spec.name == "cut");
         let params = tuned(method, if has_cuts { "order=2 cut=30 cluster=16" } else { "order=2" });
         count_alike(method, &lamps(), &params);
-        let (circles, least) = circles(&lamps());
-        let visibility = tolerance(2, circles, least);
+        let seen = Seen::of(&lamps());
+        let visibility = tolerance(2, seen);
         let largest = apart(&Case::new(method, &lamps(), Quantity::Direct).tuned(params));
         assert!(largest <= visibility + allowed(&lamps(), 2, false, visibility), "{}: {largest:e}", method.info().id);
     }
