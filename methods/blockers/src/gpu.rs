@@ -236,7 +236,10 @@ impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
         let buffers = buffers.into_iter().map(|(purpose, buffer)| (purpose, buffer.bytes()));
         let more = cuts.into_iter().flat_map(Cuts::device_bytes).chain(self.lamps.iter().flat_map(Lamps::bytes));
         let footprint = self.stage.footprint().host("receivers", size_of_val(self.valid.as_slice()));
-        let footprint = cuts.into_iter().flat_map(Cuts::host_bytes).fold(footprint, |sum, (purpose, bytes)| sum.host(purpose, bytes));
+        let footprint = cuts
+            .into_iter()
+            .flat_map(Cuts::host_bytes)
+            .fold(footprint, |sum, (purpose, bytes)| sum.host(purpose, bytes));
         buffers.chain(more).fold(footprint, |sum, (purpose, bytes)| sum.device(purpose, bytes))
     }
 

@@ -14,9 +14,9 @@ use std::f32::consts::PI;
 use halflight_scenes::{Frame, Rgb, Scene, Shape, Sphere};
 use halflight_sh::{Batch, Block, LANES, coefficients};
 
+pub(crate) use lobes::Lobes;
 #[cfg(feature = "gpu")]
 pub(crate) use lobes::{ANGLES, TILTS};
-pub(crate) use lobes::Lobes;
 
 /// A sphere that emits.
 #[derive(Clone, Copy, Debug, PartialEq)]

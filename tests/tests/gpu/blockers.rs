@@ -47,8 +47,8 @@ fn tolerance(order: u8, Seen { circles, blur }: Seen) -> f32 {
 struct Seen {
     /// Spheres.
     circles: usize,
-    /// The most that 4 roundings of each sine change the cosines of a receiver's circles in sum: each by `4u/cos θ`, and no more
-    /// than `√8u`.
+    /// The most that 4 roundings of each sine change the cosines of a receiver's circles, each by `4u/cos θ` and no more than `√8u`: in
+    /// sum, or where there are many as independent changes add up.
     blur: f32,
 }
 
@@ -67,7 +67,9 @@ impl Seen {
         let blur = |receiver: usize| {
             let (position, normal) = (receivers.position[receiver], receivers.geometric_normal[receiver]);
             let circles = spheres.iter().filter_map(|s| seen(SelfShadow::Continuous, position, normal, s));
-            circles.map(|circle| (4.0 * ROUNDING / circle.cos_angle()).min((8.0 * ROUNDING).sqrt())).sum::<f32>()
+            let each = circles.map(|circle| (4.0 * ROUNDING / circle.cos_angle()).min((8.0 * ROUNDING).sqrt()));
+            let (sum, squares) = each.fold((0.0f32, 0.0), |(sum, squares), one| (sum + one, squares + one * one));
+            sum.min(4.0 * squares.sqrt())
         };
         Seen { circles: spheres.len(), blur: (0..receivers.len()).map(blur).fold(0.0, f32::max) }
     }

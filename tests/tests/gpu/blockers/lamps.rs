@@ -63,7 +63,10 @@ fn backends_agree_on_lamps() {
                 let allowed = visibility + allowed(&scene, order, settings.contains("lobe"), visibility);
                 let params = tuned(method, &format!("order={order} {settings}"));
                 let largest = apart(&Case::new(method, &scene, Quantity::Direct).tuned(params));
-                println!("{id} on {}, order {order} {settings}: {largest:.1e} apart, {allowed:.1e} allowed", scene.name);
+                println!(
+                    "{id} on {}, order {order} {settings}: {largest:.1e} apart, {allowed:.1e} allowed",
+                    scene.name
+                );
                 assert!(largest <= allowed, "{id} on {}, {order} {settings}: {largest:e} > {allowed:e}", scene.name);
             }
         }
@@ -84,7 +87,8 @@ fn lamps_are_finite_wherever_receivers_are() {
     };
     let ball = fixtures::spheres("ball", vec![fixtures::sphere(at - glam::Vec3::Z, 0.3)]);
     let objects = vec![lamp(0.25, 3.0), lamp(1e-6, 1e6), lamp(1e-25, 1.0), ball];
-    let scene = fixtures::scene("lamps", objects, Vec::new(), halflight_scenes::Placement::Points(std::sync::Arc::new(points)));
+    let scene =
+        fixtures::scene("lamps", objects, Vec::new(), halflight_scenes::Placement::Points(std::sync::Arc::new(points)));
     for id in ["sh-product/ordered", "shexp/hyb"] {
         let method = halflight_registry::find(id).expect("it is registered");
         for settings in ["order=2", "order=2 guard=false", "order=2 lamps=lobe"] {
