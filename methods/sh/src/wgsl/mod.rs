@@ -7,15 +7,21 @@
 //! |---|---|
 //! | `product(a, b)`, `square(a)` | [`Batch::product`](crate::Batch::product), [`Batch::square`](crate::Batch::square) |
 //! | `rotate_zonal(zonal, direction)` | [`Batch::rotate_zonal`](crate::Batch::rotate_zonal) |
+//! | `scaled_bands(zonal, factors)` | [`Batch::scale`](crate::Batch::scale) |
 //! | `circle_visibility(sine)` | [`Batch::circle_visibilities`](crate::Batch::circle_visibilities) |
+//! | `circle_light(sine)` | [`Batch::circle_lights`](crate::Batch::circle_lights) |
 //! | `circle_log(sine)` | [`Batch::circle_logs`](crate::Batch::circle_logs) |
 //! | `optimal_linear(norm)` | the factors of [`BatchExp::optimal_linear`](crate::BatchExp::optimal_linear) |
 //! | `guarded(g)` | [`project_binary_bound`](crate::project_binary_bound) |
+
+mod bands;
 
 use std::fmt::Write;
 
 use crate::exp::{linear_pieces, unclipped_norm};
 use crate::order::assert_order;
+use crate::pieces::{DEGREE, PIECES};
+use crate::small::TERMS;
 
 /// What is generated for each order.
 const GENERATED: [&str; crate::MAX_ORDER] = [
@@ -55,7 +61,10 @@ pub fn algebra(order: usize) -> String {
     for (name, value) in constants {
         writeln!(text, "const {name}: f32 = {:?}f;", value as f32).expect("a string");
     }
-    text + COMMON
+    for (name, value) in [("TERMS", TERMS), ("PIECES", PIECES), ("DEGREE", DEGREE)] {
+        writeln!(text, "const {name}: u32 = {value}u;").expect("a string");
+    }
+    text + COMMON + &bands::functions(order)
 }
 
 /// The content of `tables` for an order: the polynomials of small circles' logs, the pieces of large ones', the pieces of the optimal
