@@ -28,9 +28,8 @@ pub use shader::{Needs, Text, source};
 /// A receiver as the shader sees it: position and cluster, geometric normal, normal and albedo, each padded.
 type Seer = [[f32; 4]; 4];
 
-/// The most spheres before a receiver in software: lavapipe ends all loops of a thread after 65 535 rounds in sum, without a word; an
-/// exponential of order 8 may need 16 000.
-const SOFTWARE_SPHERES: u64 = 45_000;
+/// Lavapipe ends all loops of a thread after so many rounds in sum, without a word.
+const SOFTWARE_ROUNDS: u64 = 65_535;
 
 /// The receivers' revision, and what clusters were made for.
 type Order = (Revision, Option<(Revision, usize)>);
@@ -151,12 +150,14 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
         words
     }
 
-    /// Refuses more spheres than a receiver's thread gets through.
+    /// Refuses more spheres than a receiver's thread gets through: each is a round, and where it costs a product, one for each pair of that
+    /// product's rings.
     fn within_rounds(&self) -> Result<()> {
         let spheres = self.cuts.as_ref().map_or(self.stage.spheres.spheres.len() as u64, Cuts::longest);
-        if self.gpu.adapter().is_software() && spheres > SOFTWARE_SPHERES {
+        let most = SOFTWARE_ROUNDS / (3 + params::accumulated_order(&self.params) as u64 / 2);
+        if self.gpu.adapter().is_software() && spheres > most {
             let name = &self.gpu.adapter().name;
-            let what = format!("{name}: {spheres} spheres before a receiver, expected at most {SOFTWARE_SPHERES}");
+            let what = format!("{name}: {spheres} spheres before a receiver, expected at most {most} at this order");
             return Err(Error::Device(what));
         }
         Ok(())

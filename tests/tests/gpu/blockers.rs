@@ -2,6 +2,7 @@
 
 mod cuts;
 mod lamps;
+mod papers;
 mod stress;
 
 use std::f32::consts::PI;
