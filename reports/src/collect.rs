@@ -79,7 +79,8 @@ impl Collector<'_> {
         let label = self.label(&run.cell);
         let scores = newest(self.store.scores(&run.cell.key()));
         let picture = run.image.as_ref().and_then(|image| self.picture(image));
-        let times = self.store.times(&run.cell.key()).cloned();
+        // Whatever a store says: the cores' times are no processor's that they stand for.
+        let times = self.store.times(&run.cell.key()).filter(|_| !run.cell.is_software()).cloned();
         let scene = self.scene(&run.cell);
         for score in &scores {
             self.reference(scene, score);
@@ -88,7 +89,7 @@ impl Collector<'_> {
     }
 
     fn absent(&mut self, cell: &Cell, why: &str) -> Absent {
-        Absent { scene: self.names.name(cell), label: self.label(cell), why: why.to_owned() }
+        Absent { cell: cell.clone(), scene: self.names.name(cell), label: self.label(cell), why: why.to_owned() }
     }
 
     fn label(&mut self, cell: &Cell) -> usize {
@@ -97,6 +98,7 @@ impl Collector<'_> {
         known.unwrap_or_else(|| {
             self.report.labels.push(label);
             self.report.methods.push(cell.method.clone());
+            self.report.settings.push(self.labels.setting(cell));
             self.report.labels.len() - 1
         })
     }

@@ -261,17 +261,10 @@ mod tests {
             rows,
         };
         Report {
-            title: String::new(),
-            environments: Vec::new(),
             labels: (0..settings).map(|i| format!("setting {i}")).collect(),
             methods: vec!["m".into(); settings],
             scenes: scenes.into_iter().enumerate().map(scene).collect(),
-            cross_checks: Vec::new(),
-            scalings: Vec::new(),
-            benchmarks: Vec::new(),
-            skips: Vec::new(),
-            failures: Vec::new(),
-            warnings: Vec::new(),
+            ..Report::empty("")
         }
     }
 

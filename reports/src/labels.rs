@@ -27,8 +27,19 @@ impl Labels {
 
     /// The label of a cell.
     pub(crate) fn label(&self, cell: &Cell) -> String {
+        self.without(cell, &[])
+    }
+
+    /// The label without where the cell ran.
+    pub(crate) fn setting(&self, cell: &Cell) -> String {
+        self.without(cell, &["backend", "threads", "on"])
+    }
+
+    fn without(&self, cell: &Cell, left_out: &[&str]) -> String {
         let differing = self.differing.get(&cell.method);
-        let shown = fields_of(cell).into_iter().filter(|(name, _)| differing.is_some_and(|d| d.contains(name)));
+        let is_shown =
+            |name: &String| differing.is_some_and(|d| d.contains(name)) && !left_out.contains(&name.as_str());
+        let shown = fields_of(cell).into_iter().filter(|(name, _)| is_shown(name));
         let parts: Vec<String> = shown.map(|(name, value)| format!("{name} {value}")).collect();
         if parts.is_empty() { cell.method.clone() } else { format!("{} · {}", cell.method, parts.join(", ")) }
     }
@@ -122,6 +133,14 @@ mod tests {
         };
         let labels = Labels::of([on(1), on(8)].iter());
         assert_eq!(labels.label(&on(8)), "a/x · threads 8");
+    }
+
+    #[test]
+    fn a_setting_is_the_same_wherever_it_runs() {
+        let on = |backend: &str, order| Cell { backend: backend.into(), ..cell("s", "a/x", order, 0) };
+        let labels = Labels::of([on("cpu", 3), on("gpu: x", 3), on("cpu", 4)].iter());
+        assert_eq!(labels.label(&on("gpu: x", 3)), "a/x · order 3, backend gpu: x");
+        assert_eq!(labels.setting(&on("gpu: x", 3)), "a/x · order 3");
     }
 
     #[test]

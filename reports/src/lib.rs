@@ -12,6 +12,7 @@
 //! # }
 //! ```
 
+mod backends;
 mod budget;
 mod calibration;
 mod chip;
@@ -27,6 +28,7 @@ mod page;
 mod pareto;
 mod plot;
 mod raster;
+mod rates;
 mod report;
 mod scaling;
 mod sheet;
@@ -34,12 +36,14 @@ mod summary;
 mod tables;
 mod threads;
 
+pub use backends::{Twins, twins};
 pub use budget::{Budget, BudgetStep};
 pub use collect::{build, outline};
 pub use criterion::{Benchmark, CriterionError, read_criterion};
 pub use format::plus_minus;
 pub use fronts::{Against, Entry, Front, Relative};
 pub use lines::{Axis, Mark, Plot, Series};
+pub use rates::{Rate, Reached};
 pub use report::{Absent, CrossCheck, Reference, Report, ReportError, Row, Scene};
 pub use scaling::{Fit, Scaling};
 pub use sheet::{Sheet, Shown};

@@ -3,7 +3,7 @@
 use crate::chip::chip;
 use crate::format::escape;
 use crate::summary::matrix;
-use crate::{Absent, Report, ReportError, criterion, crosschecks, figures, pareto, scaling, tables};
+use crate::{Absent, Report, ReportError, backends, criterion, crosschecks, figures, pareto, rates, scaling, tables};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
@@ -23,6 +23,8 @@ pub(crate) fn html(report: &Report) -> Result<String, ReportError> {
         "<h2 id=\"summary\">Summary</h2>".to_owned(),
         summary(report),
         pareto::over_scenes(report)?,
+        backends::section(report),
+        rates::section(&report.rates),
         sections,
         scaling::section(report)?,
         crosschecks::section(&report.cross_checks)?,
@@ -98,6 +100,8 @@ fn scene(report: &Report, section: usize) -> Result<String, ReportError> {
         format!("<h2 id=\"scene-{section}\">{}</h2>", escape(&scene.name)),
         figures::figures(report, section)?,
         pareto::of_scene(report, &scene.name)?,
+        backends::columns(report, scene),
+        backends::maps(report, scene)?,
         tables::tables(report, scene),
     ]
     .concat())

@@ -57,6 +57,11 @@ pub(crate) fn error_scale<'a>(pairs: impl Iterator<Item = (&'a Picture, &'a Pict
     round_up(percentile(&sizes, 99.0).unwrap_or(0.0))
 }
 
+/// A scale on which the largest of such differences is seen, a number that reads well.
+pub(crate) fn difference_scale(largest: f64) -> f64 {
+    round_up(largest)
+}
+
 /// Luminance errors; none where a receiver does not count in both or is not finite.
 fn errors<'a>(picture: &'a Picture, reference: &'a Picture) -> impl Iterator<Item = Option<f64>> + 'a {
     let radiance = picture.radiance.iter().zip(&reference.radiance);

@@ -1,8 +1,8 @@
 //! What a report holds: plain data, assembled by [`crate::build`].
 
-use crate::{Benchmark, Scaling};
+use crate::{Benchmark, Rate, Scaling};
 use halflight_metrics::{Interval, median_interval};
-use halflight_results::{Environment, Picture, Run, Score, Times, Timing};
+use halflight_results::{Cell, Environment, Picture, Run, Score, Times, Timing};
 use std::path::{Path, PathBuf};
 
 /// Everything that the page shows.
@@ -17,6 +17,8 @@ pub struct Report {
     pub labels: Vec<String>,
     /// The method of each label.
     pub methods: Vec<String>,
+    /// Each label without where it ran: equal for the same setting on two backends.
+    pub settings: Vec<String>,
     /// One section a scene and frame.
     pub scenes: Vec<Scene>,
     /// What other programs say to the truth.
@@ -25,6 +27,8 @@ pub struct Report {
     pub scalings: Vec<Scaling>,
     /// What `cargo bench` measured; left to the caller, too.
     pub benchmarks: Vec<Benchmark>,
+    /// The papers' frame rates beside those of these results; left to the caller, too.
+    pub rates: Vec<Rate>,
     /// Cells that were skipped.
     pub skips: Vec<Absent>,
     /// Cells that failed.
@@ -84,6 +88,8 @@ pub struct CrossCheck {
 /// A cell without a run.
 #[derive(Clone, Debug)]
 pub struct Absent {
+    /// The cell.
+    pub cell: Cell,
     /// Its scene's section name.
     pub scene: String,
     /// Place in [`Report::labels`].
@@ -119,10 +125,12 @@ impl Report {
             environments: Vec::new(),
             labels: Vec::new(),
             methods: Vec::new(),
+            settings: Vec::new(),
             scenes: Vec::new(),
             cross_checks: Vec::new(),
             scalings: Vec::new(),
             benchmarks: Vec::new(),
+            rates: Vec::new(),
             skips: Vec::new(),
             failures: Vec::new(),
             warnings: Vec::new(),

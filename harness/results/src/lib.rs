@@ -40,7 +40,7 @@ pub use key::{Key, KeyError};
 pub use merge::Merged;
 pub use picture::{Layout, Picture, PictureError, ReferencePicture};
 pub use record::{
-    Calibration, Cell, CrossCheck, Environment, Failure, Measured, Params, Phase, Record, ReferenceMade, Run, SCHEMA,
-    Score, Skip, Storage, Times, Timing,
+    CORRECTNESS_ONLY, Calibration, Cell, CrossCheck, Environment, Failure, Measured, Params, Phase, Record,
+    ReferenceMade, Run, SCHEMA, Score, Skip, Storage, Times, Timing,
 };
 pub use store::{Store, StoreError};

@@ -10,6 +10,9 @@ use std::collections::BTreeMap;
 /// quicker made again than guessed at.
 pub const SCHEMA: u32 = 2;
 
+/// What the names of graphics processors in software end with in [`Cell::backend`].
+pub const CORRECTNESS_ONLY: &str = "correctness only";
+
 /// A method's parameters, by name.
 pub type Params = BTreeMap<String, serde_json::Value>;
 
@@ -92,6 +95,22 @@ impl Cell {
     pub fn key(&self) -> Key {
         let nameless = Self { scene: String::new(), ..self.clone() };
         Key::of(&nameless).expect("strings, numbers and JSON values have a JSON form")
+    }
+
+    /// The cell without where it runs and is timed: equal for the same work on two backends.
+    #[must_use]
+    pub fn anywhere(&self) -> Self {
+        Self { scene: String::new(), backend: String::new(), timed_on: None, ..self.clone() }
+    }
+
+    /// Whether it is of a graphics processor, or of what stands for one.
+    pub fn is_gpu(&self) -> bool {
+        self.backend.starts_with("gpu")
+    }
+
+    /// Whether the processor's cores stood for a graphics processor: results count, times do not.
+    pub fn is_software(&self) -> bool {
+        self.backend.ends_with(CORRECTNESS_ONLY)
     }
 }
 

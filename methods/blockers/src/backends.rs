@@ -1,6 +1,6 @@
 //! What sphere-blocker methods answer and where they run.
 
-use halflight_contract::{Backend, Job, Meter, Prepared, Quantity, Request, Result, Support};
+use halflight_contract::{Backend, Job, Meter, Params, Prepared, Quantity, Request, Result, Support};
 use halflight_scenes::SceneFacts;
 
 use crate::{Accumulator, DirectLight, params};
@@ -25,20 +25,17 @@ pub fn prepare<'s, A: Accumulator>(job: &Job<'s, '_>, meter: &mut dyn Meter) -> 
 pub fn supports<A: Accumulator>(facts: &SceneFacts, request: &Request<'_>) -> Support {
     match (cpu(facts, request), request.backend) {
         (Support::Skip(why), _) => Support::Skip(why),
-        (support, Backend::Gpu(_)) => gpu::<A>(facts, request).map_or(support, |why| Support::Skip(why.into())),
+        (support, Backend::Gpu(_)) => gpu::<A>(request.params).map_or(support, |why| Support::Skip(why.into())),
         (support, Backend::Cpu) => support,
     }
 }
 
 /// What there is that shaders do not do.
-fn gpu<A: Accumulator>(facts: &SceneFacts, Request { params, quantity, .. }: &Request<'_>) -> Option<&'static str> {
-    let lamps = facts.lamps > 0 && params.flag(params::LOCAL_LIGHTS.name) && *quantity == Quantity::Direct;
+fn gpu<A: Accumulator>(params: &Params) -> Option<&'static str> {
     let missing = [
         (A::SHADER.is_none(), "the method has no GPU backend"),
         (!cfg!(feature = "gpu"), "this program was built without the feature gpu"),
-        (params::cut(params, A::PARAMS).is_some(), "cuts are not done on the GPU"),
         (params::bakes(params, A::PARAMS), "baked blockers are not kept on the GPU"),
-        (lamps, "lamps are not lit on the GPU"),
     ];
     missing.into_iter().find(|(missing, _)| *missing).map(|(_, why)| why)
 }

@@ -30,7 +30,8 @@ pub trait Accumulator: Send + Sync + Sized + 'static {
     /// declares
     ///
     /// - `fn begin()`, called before a receiver's circles,
-    /// - `fn block(circle: Circle, before: u32)`, for each circle, with the number of those before it,
+    /// - `fn block(circle: Circle, before: u32, place: u32)`, for each circle, with the number of those before it and the place of its
+    ///   sphere, by which `matched(log, place)` scales the circle's log if the method declares [`params::CUT`],
     /// - `fn finish(circles: u32) -> Vector`, the visibility if there was a circle; it adds the SH operations spent to `work`.
     ///
     /// State between them is in `var<private>`.

@@ -4,7 +4,7 @@ var<private> so_far: Vector;
 
 fn begin() {}
 
-fn block(circle: Circle, before: u32) {
+fn block(circle: Circle, before: u32, place: u32) {
     let visibility = rotate_zonal(circle_visibility(circle.sine), circle.direction);
     if before == 0u {
         so_far = visibility;

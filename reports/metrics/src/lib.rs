@@ -14,12 +14,14 @@
 //! | SSIM | Wang et al. 2004, on display luminance (see [`Exposure`]); images only |
 //! | FLIP | Andersson et al. 2020, on display colours (see [`Exposure`]); images only |
 //!
-//! [`difference()`] takes two pictures that may both be noisy, and tells how far apart they are without the noise. [`fingerprint()`]
-//! is what a picture is known by: means of blocks, small enough for a text file.
+//! [`difference()`] takes two pictures that may both be noisy, and tells how far apart they are without the noise. [`apart()`] takes two
+//! that ought to be equal, as of one method on two processors. [`fingerprint()`] is what a picture is known by: means of blocks, small
+//! enough for a text file.
 //!
 //! SSIM and FLIP judge displayed pictures: both pictures are exposed alike, by the *reference's* exposure.
 
 mod agree;
+mod apart;
 mod difference;
 mod display;
 mod fingerprint;
@@ -30,6 +32,7 @@ mod scores;
 mod statistics;
 
 pub use agree::{Disagreement, Tolerance, agrees};
+pub use apart::{Apart, apart};
 pub use difference::{Difference, difference};
 pub use display::Exposure;
 pub use fingerprint::{Block, COLUMNS, Fingerprint, ROWS, fingerprint};

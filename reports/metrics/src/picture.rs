@@ -74,30 +74,39 @@ pub enum CompareError {
     SamePicture,
 }
 
-/// Checks both pictures and lists the receivers that are valid in both.
-pub(crate) fn common(x: &Picture, reference: &Picture, error: &[Vec3]) -> Result<Vec<usize>, CompareError> {
+/// The receivers that are valid in both of two pictures that are arranged alike.
+pub(crate) fn comparable(x: &Picture, reference: &Picture) -> Result<Vec<usize>, CompareError> {
     if x.layout != reference.layout {
         return Err(CompareError::Layout { picture: x.layout, reference: reference.layout });
     }
-    let count = x.receivers();
+    let expected = x.receivers();
     for (what, actual) in [
         ("the picture's radiance", x.radiance.len()),
         ("the picture's validity", x.valid.len()),
         ("the reference's radiance", reference.radiance.len()),
         ("the reference's validity", reference.valid.len()),
-        ("the reference's standard error", error.len()),
     ] {
-        if actual != count {
-            return Err(CompareError::Length { what, actual, expected: count });
+        if actual != expected {
+            return Err(CompareError::Length { what, actual, expected });
         }
     }
-    let receivers: Vec<usize> = (0..count).filter(|i| x.valid[*i] && reference.valid[*i]).collect();
+    let receivers: Vec<usize> = (0..expected).filter(|i| x.valid[*i] && reference.valid[*i]).collect();
     if receivers.is_empty() {
         return Err(CompareError::NothingToCompare);
     }
     // After the check for emptiness, since empty slices may share an address.
     if std::ptr::eq(x.radiance, reference.radiance) {
         return Err(CompareError::SamePicture);
+    }
+    Ok(receivers)
+}
+
+/// Checks both pictures and lists the receivers that are valid in both; values that count must be finite.
+pub(crate) fn common(x: &Picture, reference: &Picture, error: &[Vec3]) -> Result<Vec<usize>, CompareError> {
+    let receivers = comparable(x, reference)?;
+    if error.len() != x.radiance.len() {
+        let what = "the reference's standard error";
+        return Err(CompareError::Length { what, actual: error.len(), expected: x.radiance.len() });
     }
     for &receiver in &receivers {
         let (what, bad) = if !x.radiance[receiver].is_finite() {

@@ -38,7 +38,7 @@ impl Seers {
         ground: (Ground, [usize; 2]),
         meter: &mut dyn Meter,
     ) -> Result<()> {
-        let (Seers { valid, .. }, (ground, size)) = (&mut *self, ground);
+        let (valid, (ground, size)) = (&mut self.valid, ground);
         self.count = from.len();
         self.receivers.sync(gpu, from.revision, meter, || {
             *valid = (0..from.len() as u32).filter(|&i| from.valid[i as usize]).collect();
