@@ -21,8 +21,8 @@ mod work;
 
 /// A receiver as the shader sees it: position, normal and albedo, each padded.
 type Receiver = [[f32; 4]; 3];
-/// What the shaders count: nodes summed, and those of them that face the point.
-type Counted = [u64; 2];
+/// What the shaders count: nodes summed, those of them that face the point, walks that did not come to their end.
+type Counted = [u64; 3];
 
 /// Ambient occlusion made ready for a scene.
 pub(crate) struct Occlusion {
@@ -126,7 +126,7 @@ impl Occlusion {
     /// Has elements cast as far as they are accessible: themselves first, then level by level the groups that they form.
     fn cast(&mut self, meter: &mut dyn Meter) -> Result<()> {
         let Some((&elements, groups)) = self.level.split_first() else { return Ok(()) };
-        self.counters.upload(&self.gpu, meter, &[0u64; 2])?;
+        self.counters.upload(&self.gpu, meter, &Counted::default())?;
         let level = |[first, count]: [u64; 2]| self.levels.part(4 * first, 4 * count);
         let (forest, casting) = (self.forest.whole(), self.casting.whole());
         let among =
@@ -145,7 +145,7 @@ impl Occlusion {
     /// Shades all receivers, as many at a time as a binding holds; counts the nodes that were summed.
     fn shade(&mut self, meter: &mut dyn Meter) -> Result<Counted> {
         let (count, each, wanted) = (self.valid.len() as u64, size_of::<Receiver>() as u64, 12);
-        self.counters.upload(&self.gpu, meter, &[0u64; 2])?;
+        self.counters.upload(&self.gpu, meter, &Counted::default())?;
         self.results.reserve(&self.gpu, wanted * count)?;
         let casters = if self.stage.own_passes() > 0 { &self.casting } else { &self.normals };
         let parts: Vec<_> = self.gpu.parts(count, each).collect();
@@ -171,8 +171,17 @@ impl Occlusion {
     }
 
     fn run(&self, passes: &[Pass<'_>], meter: &mut dyn Meter) -> Result<Counted> {
-        let words: Vec<u64> = self.gpu.run_and_read(passes, &self.counters, 2, meter)?;
-        Ok([words[0], words[1]])
+        let counted: Vec<Counted> = self.gpu.run_and_read(passes, &self.counters, 1, meter)?;
+        let [.., unfinished] = counted[0];
+        match unfinished {
+            0 => Ok(counted[0]),
+            _ => Err(Error::Device(format!(
+                "{}: {unfinished} walks over {} elements and groups were ended on the way (lavapipe ends loops after 65 535 rounds): \
+                 expected fewer elements, or groups opened later",
+                self.gpu.adapter().name,
+                self.stage.forest.nodes()
+            ))),
+        }
     }
 }
 

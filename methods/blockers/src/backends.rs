@@ -35,7 +35,6 @@ fn gpu<A: Accumulator>(params: &Params) -> Option<&'static str> {
     let missing = [
         (A::SHADER.is_none(), "the method has no GPU backend"),
         (!cfg!(feature = "gpu"), "this program was built without the feature gpu"),
-        (params::bakes(params, A::PARAMS), "baked blockers are not kept on the GPU"),
     ];
     missing.into_iter().find(|(missing, _)| *missing).map(|(_, why)| why)
 }

@@ -129,7 +129,8 @@ impl Gpu {
     /// So many items as ranges that a pass can be given, if the largest buffer has so many bytes an item. Each range begins at a
     /// multiple of 64 items, and so of 256 bytes of any buffer.
     pub fn parts(&self, items: u64, bytes: u64) -> impl Iterator<Item = Range<u64>> {
-        let most = ((self.max_binding() / bytes) & !63).max(64);
+        let fit = self.max_binding() / bytes;
+        let most = if items <= fit { items.max(1) } else { (fit & !63).max(64) };
         (0..items).step_by(most as usize).map(move |first| first..items.min(first + most))
     }
 

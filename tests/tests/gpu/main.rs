@@ -1,8 +1,10 @@
 //! Methods on the GPU against the same methods on the CPU. These tests fail where there is no adapter, one in software at least.
 #![cfg(feature = "gpu")]
 
+mod ambient;
 mod blockers;
 mod wedges;
+mod lesser;
 
 use halflight_contract::{Backend, Method, Params};
 use halflight_tests::checks::{self, Case};

@@ -31,7 +31,7 @@ impl Occlusion {
     }
 
     /// Operations of walks from so many points. A walk that sums `s` nodes of `t` trees opened `s − t` groups on its way.
-    fn walked(&self, points: u64, [summed, facing]: Counted) -> u64 {
+    fn walked(&self, points: u64, [summed, facing, _]: Counted) -> u64 {
         let trees = self.stage.trees().filter(|tree| !tree.is_empty()).count() as u64;
         let looked_at = 2 * summed - points * trees;
         LOOK * looked_at + SUM * summed + FACE * facing

@@ -7,3 +7,7 @@ struct Forest {
 }
 
 @group(0) @binding(0) var<storage, read> forest: Forest;
+
+fn children(node: u32) -> vec2u {
+    return vec2u(node + 1u, forest.next[node + 1u]);
+}

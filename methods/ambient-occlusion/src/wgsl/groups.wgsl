@@ -15,8 +15,9 @@ fn main(
         return;
     }
     let node = level[index];
-    let a = casting[node + 1u];
-    let b = casting[forest.next[node + 1u]];
+    let children = children(node);
+    let a = casting[children.x];
+    let b = casting[children.y];
     let area = a.w + b.w;
     var share = 0.5f;
     if area > 0f {

@@ -4,13 +4,14 @@
 @group(0) @binding(1) var<storage, read> places: array<vec4f>;
 /// Normal as far as it casts; area over π.
 @group(0) @binding(2) var<storage, read> casters: array<vec4f>;
-/// Low and high words of: nodes summed, those of them that face the point.
-@group(0) @binding(3) var<storage, read_write> counters: array<atomic<u32>, 4>;
+/// Low and high words of: nodes summed, those of them that face the point, walks that did not come to their end.
+@group(0) @binding(3) var<storage, read_write> counters: array<atomic<u32>, 6>;
 
 struct Shadow {
     sum: f32,
     nodes: u32,
     facing: u32,
+    unfinished: u32,
 }
 
 fn shadow(position: vec3f, normal: vec3f) -> Shadow {
@@ -28,6 +29,8 @@ fn shadow(position: vec3f, normal: vec3f) -> Shadow {
             node = forest.next[node];
         }
     }
+    // A driver may end loops that it finds too long.
+    shadow.unfinished = u32(node < forest.nodes);
     return shadow;
 }
 
@@ -59,9 +62,13 @@ fn accessibility(shadow: f32) -> f32 {
 fn tell(shadow: Shadow) {
     count(0u, shadow.nodes);
     count(1u, shadow.facing);
+    count(2u, shadow.unfinished);
 }
 
 fn count(counter: u32, amount: u32) {
+    if amount == 0u {
+        return;
+    }
     let before = atomicAdd(&counters[2u * counter], amount);
     if before + amount < before {
         atomicAdd(&counters[2u * counter + 1u], 1u);
