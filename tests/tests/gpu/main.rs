@@ -3,8 +3,8 @@
 
 mod ambient;
 mod blockers;
-mod wedges;
 mod lesser;
+mod wedges;
 
 use halflight_contract::{Backend, Method, Params};
 use halflight_tests::checks::{self, Case};
