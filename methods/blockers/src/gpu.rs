@@ -6,6 +6,7 @@
 //! Cuts are made on the CPU in `update` (again in `evaluate` if a parameter that they depend on has changed) and uploaded as a list of
 //! spheres a cluster; receivers lie cluster by cluster, so that the threads of a group walk one list, or two.
 
+mod baked;
 mod cuts;
 mod lamps;
 mod shader;
@@ -21,6 +22,7 @@ use halflight_sh::{coefficients, wgsl};
 use crate::direct::report;
 use crate::stage::Stage;
 use crate::{Accumulator, Tally, Work, params};
+use baked::{Baked, bytes_each};
 use cuts::Cuts;
 use lamps::Lamps;
 pub use shader::{Needs, Text, source};
@@ -28,9 +30,8 @@ pub use shader::{Needs, Text, source};
 /// A receiver as the shader sees it: position and cluster, geometric normal, normal and albedo, each padded.
 type Seer = [[f32; 4]; 4];
 
-/// The most spheres before a receiver in software: lavapipe ends all loops of a thread after 65 535 rounds in sum, without a word; an
-/// exponential of order 8 may need 16 000.
-const SOFTWARE_SPHERES: u64 = 45_000;
+/// Lavapipe ends all loops of a thread after so many rounds in sum, without a word.
+const SOFTWARE_ROUNDS: u64 = 65_535;
 
 /// The receivers' revision, and what clusters were made for.
 type Order = (Revision, Option<(Revision, usize)>);
@@ -41,6 +42,7 @@ pub struct GpuDirectLight<'s, A> {
     params: Params,
     stage: Stage<'s>,
     text: Text,
+    needs: Needs,
     pipeline: Arc<Pipeline>,
     settings: Resident,
     receivers: Resident,
@@ -49,6 +51,7 @@ pub struct GpuDirectLight<'s, A> {
     results: Resident,
     counters: Resident,
     cuts: Option<Cuts>,
+    baked: Option<Baked<A>>,
     lamps: Option<Lamps>,
     /// What receivers on the device lie in the order of.
     placed: Option<Order>,
@@ -56,7 +59,6 @@ pub struct GpuDirectLight<'s, A> {
     valid: Vec<u32>,
     count: usize,
     quantity: Quantity,
-    method: std::marker::PhantomData<fn() -> A>,
 }
 
 impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
@@ -68,9 +70,10 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
     /// The same with another text than [`source`], by the order of accumulation.
     pub fn with_source(job: &Job<'s, '_>, meter: &mut dyn Meter, text: Text) -> Result<Self> {
         let gpu = timed(meter, "open device", |_| Gpu::shared(job.backend))?;
-        let stage = Stage::derive(job, meter)?;
+        let mut stage = Stage::derive(job, meter)?;
+        let baked = Baked::take(job, &mut stage);
         let (cuts, lamps) = (Cuts::new::<A>(job.scene, &stage, job.params), Lamps::new(&stage));
-        let needs = needs(&cuts, &lamps);
+        let needs = Needs { cuts: cuts.is_some(), baked: baked.is_some(), lamps: lamps.as_ref().map(Lamps::kind) };
         let pipeline = timed(meter, "compile shader", |_| compile(&gpu, &text, job.params, needs))?;
         Ok(GpuDirectLight {
             gpu,
@@ -85,12 +88,13 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
             results: Resident::new("results"),
             counters: Resident::new("counters"),
             cuts,
+            baked,
             lamps,
+            needs,
             placed: None,
             valid: Vec::new(),
             count: 0,
             quantity: Quantity::Direct,
-            method: std::marker::PhantomData,
         })
     }
 
@@ -103,12 +107,21 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
         }
     }
 
-    /// Uploads receivers that are not there yet, those of a cluster together.
+    /// Uploads receivers that are not there yet, those of a cluster together, and what is baked of them.
     fn place(&mut self, receivers: &Receivers, meter: &mut dyn Meter) -> Result<()> {
         let order = Some((receivers.revision, self.cuts.as_ref().and_then(Cuts::made_for)));
-        if self.placed == order {
-            return Ok(());
+        let moved = self.placed != order;
+        if moved {
+            self.upload_receivers(receivers, meter)?;
+            self.placed = order;
         }
+        match &mut self.baked {
+            Some(baked) => baked.upload(&self.gpu, &self.params, receivers, (&self.valid, moved), meter),
+            None => Ok(()),
+        }
+    }
+
+    fn upload_receivers(&mut self, receivers: &Receivers, meter: &mut dyn Meter) -> Result<()> {
         let members: Vec<(u32, u32)> = match &self.cuts {
             Some(cuts) => cuts.members().collect(),
             None => (0..receivers.len() as u32).filter(|&i| receivers.valid[i as usize]).map(|i| (i, 0)).collect(),
@@ -118,7 +131,6 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
         self.receivers.upload(&self.gpu, meter, &seers)?;
         self.count = receivers.len();
         self.valid = members.into_iter().map(|(receiver, _)| receiver).collect();
-        self.placed = order;
         Ok(())
     }
 
@@ -151,12 +163,14 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
         words
     }
 
-    /// Refuses more spheres than a receiver's thread gets through.
+    /// Refuses more spheres than a receiver's thread gets through: each is a round, and where it costs a product, one for each pair of that
+    /// product's rings.
     fn within_rounds(&self) -> Result<()> {
         let spheres = self.cuts.as_ref().map_or(self.stage.spheres.spheres.len() as u64, Cuts::longest);
-        if self.gpu.adapter().is_software() && spheres > SOFTWARE_SPHERES {
+        let most = SOFTWARE_ROUNDS / (3 + params::accumulated_order(&self.params) as u64 / 2);
+        if self.gpu.adapter().is_software() && spheres > most {
             let name = &self.gpu.adapter().name;
-            let what = format!("{name}: {spheres} spheres before a receiver, expected at most {SOFTWARE_SPHERES}");
+            let what = format!("{name}: {spheres} spheres before a receiver, expected at most {most} at this order");
             return Err(Error::Device(what));
         }
         Ok(())
@@ -166,7 +180,8 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
     fn shade(&self, meter: &mut dyn Meter) -> Result<()> {
         let (each, wanted) = (size_of::<Seer>() as u64, 4 * self.quantity.channels() as u64);
         // Parts begin at multiples of 256 bytes.
-        let most = (self.gpu.max_binding() / each.max(wanted)) & !63;
+        let order = params::accumulated_order(&self.params);
+        let most = (self.gpu.max_binding() / each.max(wanted).max(bytes_each(order))) & !63;
         let count = self.valid.len() as u64;
         for first in (0..count).step_by(most as usize) {
             let threads = most.min(count - first);
@@ -179,6 +194,7 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
                 self.counters.whole(),
             ];
             buffers.extend(self.cuts.iter().flat_map(Cuts::buffers));
+            buffers.extend(self.baked.iter().map(|baked| baked.part(first, threads, order)));
             buffers.extend(self.lamps.iter().flat_map(Lamps::buffers));
             let pass = Pass { name: "accumulate and shade", pipeline: &self.pipeline, buffers: &buffers, threads };
             self.gpu.run(&[pass], meter)?;
@@ -187,22 +203,18 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
     }
 
     fn report(&self, receivers: &Receivers, meter: &mut dyn Meter) -> Result<()> {
-        let words: Vec<[u32; 2]> = self.gpu.download(&self.counters, 6, meter)?;
-        let [accumulated, too_small, additions, products, squares, guarded] =
+        let words: Vec<[u32; 2]> = self.gpu.download(&self.counters, 7, meter)?;
+        let [accumulated, too_small, additions, products, squares, guarded, kept] =
             std::array::from_fn(|i| u64::from(words[i][0]) | u64::from(words[i][1]) << 32);
         let looked_at = match &self.cuts {
             Some(cuts) => cuts.looked_at,
             None => self.valid.len() as u64 * self.stage.spheres.spheres.len() as u64,
         };
         let tally = Tally { accumulated, too_small, removed: looked_at - accumulated - too_small };
-        report(meter, receivers, &tally, &Work { additions, products, squares, guarded, kept: 0 });
+        report(meter, receivers, &tally, &Work { additions, products, squares, guarded, kept });
         self.cuts.iter().for_each(|cuts| cuts.report(meter));
         Ok(())
     }
-}
-
-fn needs(cuts: &Option<Cuts>, lamps: &Option<Lamps>) -> Needs {
-    Needs { cuts: cuts.is_some(), lamps: lamps.as_ref().map(Lamps::kind) }
 }
 
 fn compile(gpu: &Gpu, text: &Text, params: &Params, needs: Needs) -> Result<Arc<Pipeline>> {
@@ -232,21 +244,25 @@ impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
             ("result", &self.results),
             ("counters", &self.counters),
         ];
-        let cuts = self.cuts.as_ref();
-        let buffers = buffers.into_iter().map(|(purpose, buffer)| (purpose, buffer.bytes()));
-        let more = cuts.into_iter().flat_map(Cuts::device_bytes).chain(self.lamps.iter().flat_map(Lamps::bytes));
-        let footprint = self.stage.footprint().host("receivers", size_of_val(self.valid.as_slice()));
-        let footprint = cuts
+        let (cuts, baked) = (self.cuts.as_ref(), self.baked.as_ref());
+        let host = cuts
             .into_iter()
             .flat_map(Cuts::host_bytes)
-            .fold(footprint, |sum, (purpose, bytes)| sum.host(purpose, bytes));
-        buffers.chain(more).fold(footprint, |sum, (purpose, bytes)| sum.device(purpose, bytes))
+            .chain(baked.map(|baked| ("baked blockers", baked.host_bytes())));
+        let device = (buffers.iter().map(|(purpose, buffer)| (*purpose, buffer.bytes())))
+            .chain(cuts.into_iter().flat_map(Cuts::device_bytes))
+            .chain(baked.map(|baked| ("baked blockers", baked.device_bytes())))
+            .chain(self.lamps.iter().flat_map(Lamps::bytes));
+        let footprint = self.stage.footprint().host("receivers", size_of_val(self.valid.as_slice()));
+        let footprint = host.fold(footprint, |sum, (purpose, bytes)| sum.host(purpose, bytes));
+        device.fold(footprint, |sum, (purpose, bytes)| sum.device(purpose, bytes))
     }
 
     fn retune(&mut self, params: &Params) -> Result<()> {
         params.retune(&mut self.params, A::PARAMS)?;
         self.cuts.iter_mut().for_each(|cuts| cuts.retune::<A>(params));
-        self.pipeline = compile(&self.gpu, &self.text, &self.params, needs(&self.cuts, &self.lamps))?;
+        self.baked.iter_mut().for_each(|baked| baked.retune(params));
+        self.pipeline = compile(&self.gpu, &self.text, &self.params, self.needs)?;
         Ok(())
     }
 
@@ -255,6 +271,7 @@ impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
         if let Some(cuts) = &mut self.cuts {
             cuts.update(&self.stage.spheres, &frame.receivers, &self.params, meter);
         }
+        self.baked.iter_mut().for_each(|baked| baked.move_to(&frame.receivers));
         timed(meter, "upload", |meter| {
             self.place(&frame.receivers, meter)?;
             self.show(&frame.receivers, meter)
@@ -277,7 +294,7 @@ impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
         if let Some(lamps) = &mut self.lamps {
             lamps.upload(&self.gpu, &self.stage, order, meter)?;
         }
-        self.counters.upload(&self.gpu, meter, &[0u32; 12])?;
+        self.counters.upload(&self.gpu, meter, &[0u32; 14])?;
         self.results.reserve(&self.gpu, 4 * (self.valid.len() * quantity.channels()) as u64)?;
         timed(meter, "accumulate and shade", |meter| self.shade(meter))?;
         self.report(receivers, meter)

@@ -42,6 +42,11 @@ fn a_wrong_number_is_seen() {
     );
     let cuts = [("settings.ratios == 0u", "settings.ratios == 1u"), ("* factors[1]", "* factors[0]")];
     check_on::<HybridExp>(&crate::Hyb, &fixtures::heaps(), &[("order", "2"), ("cut", "40"), ("cluster", "16")], &cuts);
+    let baked = [
+        ("work.kept = baked[index].circles", "work.kept = 0u * baked[index].circles"),
+        ("log_sum = sum;", "log_sum = scaled(1.01f, sum);"),
+    ];
+    check_on::<HybridExp>(&crate::Hyb, &fixtures::two_lights(), &[("order", "2"), ("bake", "true")], &baked);
     check::<LinearExp>(&crate::Ol, &[("1e-30f, 1e30f", "1e-30f, 0.1f")]);
     check::<PlainSeries>(&crate::Ps, &[("1f / f32(power)", "1.001f / f32(power)")]);
     check::<SeriesExp>(&crate::PsStar, &[("reciprocal = 1f", "reciprocal = 1.1f")]);

@@ -1,7 +1,9 @@
 //! Methods on sphere blockers: a thread a receiver.
 
+mod baked;
 mod cuts;
 mod lamps;
+mod papers;
 mod stress;
 
 use std::f32::consts::PI;
@@ -199,8 +201,7 @@ fn what_the_gpu_does_not_do_is_skipped_with_a_reason() {
     let families = ["sh-product", "shexp"];
     let mut skipped = 0;
     for method in halflight_registry::methods().into_iter().filter(|m| families.contains(&m.info().family())) {
-        let bakes = method.info().params.iter().any(|spec| spec.name == "bake");
-        let params = tuned(method, if bakes { "bake=true" } else { "" });
+        let params = Params::defaults(method.info().params);
         let request = Request { quantity: Quantity::Direct, backend: Backend::GPU, params: &params };
         if let Support::Skip(why) = method.supports(&lamp.facts(), &request) {
             assert!(why.contains("GPU"), "{why}");
@@ -209,5 +210,5 @@ fn what_the_gpu_does_not_do_is_skipped_with_a_reason() {
             assert!(method.info().runs_on(Backend::GPU), "{}", method.info().id);
         }
     }
-    assert!(skipped > 4, "{skipped}");
+    assert_eq!(skipped, 3);
 }

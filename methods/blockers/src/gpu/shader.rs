@@ -13,6 +13,8 @@ use crate::lamps::{ANGLES, TILTS};
 pub struct Needs {
     /// Receivers look at cuts, not at all spheres.
     pub cuts: bool,
+    /// Blockers that never move are known before.
+    pub baked: bool,
     /// How lamps light, if there are any.
     pub lamps: Option<Lamplight>,
 }
@@ -36,12 +38,13 @@ impl Needs {
     /// The buffers that are bound behind those of every shader, by the names of their bindings.
     fn more(self) -> Vec<&'static str> {
         let cuts: &[_] = if self.cuts { &["LISTS", "RATIOS"] } else { &[] };
+        let baked: &[_] = if self.baked { &["BAKED"] } else { &[] };
         let lamps: &[_] = match self.lamps {
             None => &[],
             Some(Lamplight::Share) => &["LAMPS"],
             Some(Lamplight::Lobe) => &["LAMPS", "LOBES"],
         };
-        [cuts, lamps].concat()
+        [cuts, baked, lamps].concat()
     }
 
     pub(super) fn buffers(self) -> Vec<Access> {
@@ -50,12 +53,14 @@ impl Needs {
 
     fn parts(self) -> Vec<&'static str> {
         let list = if self.cuts { include_str!("../wgsl/cuts.wgsl") } else { include_str!("../wgsl/all_spheres.wgsl") };
+        let baked =
+            if self.baked { include_str!("../wgsl/baked.wgsl") } else { include_str!("../wgsl/not_baked.wgsl") };
         let lamps: &[_] = match self.lamps {
             None => &[include_str!("../wgsl/no_lamps.wgsl")],
             Some(Lamplight::Share) => &[include_str!("../wgsl/lamps.wgsl"), include_str!("../wgsl/shares.wgsl")],
             Some(Lamplight::Lobe) => &[include_str!("../wgsl/lamps.wgsl"), include_str!("../wgsl/lobes.wgsl")],
         };
-        [&[include_str!("../wgsl/direct.wgsl"), include_str!("../wgsl/seen.wgsl"), list], lamps].concat()
+        [&[include_str!("../wgsl/direct.wgsl"), include_str!("../wgsl/seen.wgsl"), list, baked], lamps].concat()
     }
 }
 

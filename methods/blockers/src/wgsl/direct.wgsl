@@ -1,6 +1,6 @@
 // Direct light under sphere blockers, a thread a receiver: the twin of `shading.rs`. Before it stands the algebra of the accumulated
-// order (`halflight_sh::wgsl`), behind it how spheres are seen (`seen.wgsl`), which ones (`all_spheres.wgsl` or `cuts.wgsl`), the lamps
-// and the method's `begin`, `block` and `finish`: what a scene does not need is not in its shader.
+// order (`halflight_sh::wgsl`), behind it how spheres are seen (`seen.wgsl`), which ones (`all_spheres.wgsl` or `cuts.wgsl`), what is known
+// of others (`baked.wgsl`), the lamps and the method's `begin`, `block` and `finish`: what a scene does not need is not in its shader.
 
 struct Settings {
     spheres: u32,
@@ -40,8 +40,8 @@ struct Receiver {
 /// What groups of threads counted: low and high words.
 @group(0) @binding(5) var<storage, read_write> counters: array<atomic<u32>, 2 * COUNTERS>;
 
-/// Circles, those below the smallest angle, additions, products, squares, receivers guarded.
-const COUNTERS: u32 = 6u;
+/// Circles, those below the smallest angle, additions, products, squares, receivers guarded, circles known before.
+const COUNTERS: u32 = 7u;
 /// What this group of threads counted.
 var<workgroup> counted: array<atomic<u32>, COUNTERS>;
 
@@ -50,6 +50,8 @@ struct Work {
     additions: u32,
     products: u32,
     squares: u32,
+    /// Circles that were known before.
+    kept: u32,
 }
 var<private> work: Work;
 
@@ -71,11 +73,12 @@ fn radiance(receiver: Receiver, visibility: Vector) -> vec3f {
 }
 
 /// Visibility at a receiver, guarded and windowed.
-fn visibility_at(receiver: Receiver) -> Vector {
+fn visibility_at(index: u32, receiver: Receiver) -> Vector {
     let list = list(receiver);
-    var circles = 0u;
-    var too_small = 0u;
     begin();
+    resume(index);
+    var circles = work.kept;
+    var too_small = 0u;
     for (var place = list.x; place < list.y; place++) {
         let circle = seen(receiver, spheres[place]);
         if circle.sine > 0f {
@@ -99,12 +102,13 @@ fn visibility_at(receiver: Receiver) -> Vector {
     for (var i = 0u; i < SIZE; i++) {
         visibility[i] *= settings.window[i];
     }
-    count(0u, circles);
+    count(0u, circles - work.kept);
     count(1u, too_small);
     count(2u, work.additions);
     count(3u, work.products);
     count(4u, work.squares);
     count(5u, u32(acts));
+    count(6u, work.kept);
     return visibility;
 }
 
@@ -136,7 +140,7 @@ fn tell(counter: u32) {
 
 fn shade(index: u32) {
     let receiver = receivers[index];
-    let visibility = visibility_at(receiver);
+    let visibility = visibility_at(index, receiver);
     if settings.coefficients > 0u {
         for (var i = 0u; i < settings.coefficients; i++) {
             results[settings.coefficients * index + i] = visibility[i];

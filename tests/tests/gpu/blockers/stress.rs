@@ -50,7 +50,7 @@ fn crowd(count: usize) -> Scene {
 
 /// (method, settings)
 const METHODS: [(&str, &str); 3] =
-    [("sh-product/ordered", "order=2"), ("shexp/hyb", "order=3"), ("shexp/hyb", "order=2 cut=20")];
+    [("sh-product/ordered", "order=4"), ("shexp/hyb", "order=3"), ("shexp/hyb", "order=2 cut=20")];
 
 /// Fails where the GPU's values are not finite, or further from the CPU's than roundings bring them.
 fn alike(scene: &Scene, (id, settings): (&str, &str)) {
