@@ -181,7 +181,8 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
         let (each, wanted) = (size_of::<Seer>() as u64, 4 * self.quantity.channels() as u64);
         // Parts begin at multiples of 256 bytes.
         let order = params::accumulated_order(&self.params);
-        let most = (self.gpu.max_binding() / each.max(wanted).max(bytes_each(order))) & !63;
+        let baked = self.baked.as_ref().map_or(0, |_| bytes_each(order));
+        let most = (self.gpu.max_binding() / each.max(wanted).max(baked)) & !63;
         let count = self.valid.len() as u64;
         for first in (0..count).step_by(most as usize) {
             let threads = most.min(count - first);
