@@ -13,6 +13,8 @@ mod gpu;
 mod import;
 mod killed;
 mod ledger;
+mod lost;
+mod measured;
 mod refs;
 mod rescore;
 mod run;
