@@ -37,7 +37,14 @@ pub struct Stage {
     pub frames: Vec<Frame>,
 }
 
-/// A method with its parameters on all frames of a scene.
+/// The first frames of a scene, posed.
+#[derive(Clone, Copy)]
+struct Sequence {
+    scene: usize,
+    frames: usize,
+}
+
+/// A method with its parameters on all frames of a scene that are asked for.
 #[derive(Clone)]
 pub struct Group {
     /// Index into [`Plan::scenes`].
@@ -129,10 +136,10 @@ impl Plan {
                     None => plan.add_scene(halflight_scenes::find(name)?),
                 };
                 names.insert(name.clone(), scene);
-                let frames = plan.pose(scene, entry.frames);
+                let sequence = plan.pose(scene, entry.frames);
                 let all = jobs.iter().flat_map(|job| quantities.iter().map(move |quantity| (job, *quantity)));
                 for ((method, params), quantity) in all {
-                    let group = plan.group(scene, frames, *method, params, quantity, &entry.references, terms)?;
+                    let group = plan.group(sequence, *method, params, quantity, &entry.references, terms)?;
                     let keys = group.cells.iter().map(Cell::key).collect();
                     match known.get(&keys) {
                         Some(&same) => merge(&mut plan.groups[same].references, group.references),
@@ -180,18 +187,17 @@ impl Plan {
         })
     }
 
-    /// Poses the first so many frames of a scene, all if nothing is said, and tells how many these are.
-    fn pose(&mut self, scene: usize, wanted: Option<usize>) -> usize {
-        let Stage { scene, frames } = &mut self.scenes[scene];
-        let count = wanted.unwrap_or(scene.frame_count).min(scene.frame_count);
-        frames.extend((frames.len()..count).map(|frame| scene.frame(frame)));
-        count
+    /// Poses the first so many frames of a scene, all if nothing is said.
+    fn pose(&mut self, scene: usize, wanted: Option<usize>) -> Sequence {
+        let Stage { scene: content, frames } = &mut self.scenes[scene];
+        let count = wanted.unwrap_or(content.frame_count).min(content.frame_count);
+        frames.extend((frames.len()..count).map(|frame| content.frame(frame)));
+        Sequence { scene, frames: count }
     }
 
     fn group(
         &self,
-        scene: usize,
-        frames: usize,
+        Sequence { scene, frames }: Sequence,
         method: &'static dyn Method,
         params: &Params,
         quantity: Quantity,

@@ -11,6 +11,9 @@ use halflight_results::{Cell, Params, Phase, Record, Run, Store, Times};
 /// Spans by a device's own clock end so.
 pub(crate) const CLOCK: &str = " (gpu clock)";
 
+/// A cell's outcome with its times.
+pub(crate) type Outcome<'s> = (&'s Record, Option<&'s Times>);
+
 /// Why a run has no rate that has no times.
 pub(crate) const NOT_TIMED: &str = "not timed";
 
@@ -197,11 +200,11 @@ pub(crate) fn of(store: &Store) -> Vec<Rate> {
 }
 
 /// The papers' rates beside those of cells with their times.
-pub(crate) fn among(outcomes: &[(&Record, Option<&Times>)]) -> Vec<Rate> {
+pub(crate) fn among(outcomes: &[Outcome<'_>]) -> Vec<Rate> {
     let rates = CASES.iter().filter_map(|case| {
         let params = case.params().ok()?;
         let cells = outcomes.iter().filter(|(record, _)| record.cell().is_some_and(|cell| case.is(cell, &params)));
-        let mut by_processor: Vec<(String, Vec<(&Record, Option<&Times>)>)> = Vec::new();
+        let mut by_processor: Vec<(String, Vec<Outcome<'_>>)> = Vec::new();
         for (record, times) in cells {
             let on = processor(record);
             match by_processor.iter_mut().find(|(other, _)| *other == on) {
@@ -225,7 +228,7 @@ pub(crate) fn processor(record: &Record) -> String {
     }
 }
 
-fn reached(on: String, frames: &[(&Record, Option<&Times>)]) -> Reached {
+fn reached(on: String, frames: &[Outcome<'_>]) -> Reached {
     let why = frames.iter().find_map(|(record, times)| match record {
         Record::Skip(skip) => Some(format!("skipped: {}", skip.reason)),
         Record::Failure(failure) => Some(format!("failed: {}", failure.error)),

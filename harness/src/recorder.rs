@@ -110,6 +110,12 @@ impl Meter for Recorder<'_> {
         *self.spans.entry(format!("{open}{pass} (gpu clock)")).or_default() += nanoseconds as f64;
     }
 
+    fn work(&mut self, pass: &'static str, operations: u64, bytes: u64) {
+        for (unit, amount) in [("flops", operations), ("bytes", bytes)] {
+            *self.counters.entry(format!("{unit} ({pass})")).or_default() += amount;
+        }
+    }
+
     fn derived(&mut self, what: &'static str, nanoseconds: u64) {
         *self.derived.entry(what.to_owned()).or_default() += nanoseconds as f64;
     }

@@ -1,7 +1,7 @@
 //! Results of whole devices, kept in the repository: `reports/measured/<device>.jsonl`, and the page that compares them.
 //!
-//! A file is what a run on one machine found: its conditions on the first line, then a line a cell ([`file`]). The page is made of the
-//! files alone ([`page()`]), the fractions of a device's peak of the work that methods state ([`passes`]).
+//! A file is what a run on one machine found: its conditions on the first line, then a line a cell (`file.rs`). The page is made of the
+//! files alone ([`page()`]), the fractions of a device's peak of the work that methods state (`passes.rs`).
 
 mod conditions;
 mod file;

@@ -4,10 +4,10 @@ use super::passes::{Pass, passes, span};
 use super::{Cell, Conditions, Measured, Peak};
 use crate::execute::AGAIN;
 use crate::ledger::number;
-use crate::rates::{NOT_TIMED, among, processor, run_of};
+use crate::rates::{NOT_TIMED, Outcome, among, processor, run_of};
 use halflight_metrics::Interval;
 use halflight_reports::Rate;
-use halflight_results::{Cell as Place, Record, Times};
+use halflight_results::{Cell as Place, Record};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -90,7 +90,7 @@ fn is_same(a: &Rate, b: &Rate) -> bool {
     (&a.case, &a.setting, &a.place) == (&b.case, &b.setting, &b.place)
 }
 
-fn outcomes(device: &Measured) -> Vec<(&Record, Option<&Times>)> {
+fn outcomes(device: &Measured) -> Vec<Outcome<'_>> {
     device.cells.iter().map(|cell| (&cell.outcome, cell.times.as_ref())).collect()
 }
 
@@ -306,7 +306,7 @@ fn date(seconds: u64) -> String {
 mod tests {
     use super::super::{Difference, read_all};
     use super::*;
-    use halflight_results::{Environment, Key, Phase, Run, Timing};
+    use halflight_results::{Environment, Key, Phase, Run, Times, Timing};
     use std::path::Path;
 
     fn cell(backend: &str, shade: Option<f64>) -> Cell {

@@ -151,10 +151,7 @@ impl Forest {
         let mut node = 0;
         while node < self.skip.len() {
             let next = self.skip[node];
-            let nearest = match self.is_leaf(node) {
-                true => -1.0,
-                false => (self.extent[node] / opening).powi(2),
-            };
+            let nearest = self.opened_within(node, opening);
             let to = points.to(self.position[node]);
             let (mut open, mut any, mut counts) = (0, 0, [0; LANES]);
             for lane in 0..LANES {
@@ -174,6 +171,11 @@ impl Forest {
             node = if open != 0 { node + 1 } else { next as usize };
         }
         (sum, terms)
+    }
+
+    /// The squared distance up to which a group is opened; below 0 for an element, which never is.
+    fn opened_within(&self, node: usize, opening: f32) -> f32 {
+        if self.is_leaf(node) { -1.0 } else { (self.extent[node] / opening).powi(2).min(f32::MAX) }
     }
 
     /// Adds a node's shadow where it counts.
@@ -249,5 +251,7 @@ fn spread<const N: usize>(points: impl Iterator<Item = [f32; N]>) -> [f32; N] {
     std::array::from_fn(|axis| greatest[axis] - least[axis])
 }
 
+#[cfg(feature = "gpu")]
+mod layout;
 #[cfg(test)]
 mod tests;

@@ -16,17 +16,18 @@
 //! `∫₀¹ min(1, 4u) du = 7/8`: an eighth of the light passes a closed room. Layers behind each other add up, until accessibility is 0.
 //! Open surfaces cast no shadow before their front.
 
+mod cpu;
 mod forest;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod lanes;
-mod prepared;
 mod sites;
+mod stage;
 
 use halflight_contract::{
     Backend, Coupling, Info, Job, Kind, Meter, Method, ParamSpec, Phase, Prepared, Quantity, Request, Result, Support,
 };
 use halflight_scenes::SceneFacts;
-
-use prepared::Occlusion;
 
 /// Surface elements in a hierarchy, summed at each receiver.
 pub struct Elements;
@@ -63,7 +64,7 @@ static INFO: Info = Info {
     id: "ambient-occlusion/elements",
     about: "unshadowed irradiance times accessibility among disc-shaped surface elements",
     paper: "Bunnell 2005, GPU Gems 2, ch. 14",
-    backends: &[Backend::Cpu],
+    backends: if cfg!(feature = "gpu") { &[Backend::Cpu, Backend::GPU] } else { &[Backend::Cpu] },
     params: &[ORDER, PASSES, ELEMENTS, OPENING],
     coupling: Coupling::Independent,
 };
@@ -75,6 +76,9 @@ impl Method for Elements {
 
     fn supports(&self, facts: &SceneFacts, request: &Request<'_>) -> Support {
         match request.quantity {
+            _ if !INFO.runs_on(request.backend) => {
+                Support::Skip("this program was built without the feature gpu".into())
+            }
             Quantity::Direct if facts.emitters == 0 => Support::Exact,
             Quantity::Direct if facts.distant_lights() == 0 => {
                 Support::Skip("all light comes from objects that emit, none from afar".into())
@@ -88,6 +92,12 @@ impl Method for Elements {
     }
 
     fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {
-        Ok(Box::new(Occlusion::prepare(job, meter)?))
+        match job.backend {
+            Backend::Cpu => Ok(Box::new(cpu::Occlusion::prepare(job, meter)?)),
+            #[cfg(feature = "gpu")]
+            Backend::Gpu(_) => Ok(Box::new(gpu::Occlusion::prepare(job, meter)?)),
+            #[cfg(not(feature = "gpu"))]
+            Backend::Gpu(_) => Err(halflight_contract::Error::Device("built without the feature gpu".into())),
+        }
     }
 }

@@ -25,22 +25,18 @@ pub fn prepare<'s, A: Accumulator>(job: &Job<'s, '_>, meter: &mut dyn Meter) -> 
 pub fn supports<A: Accumulator>(facts: &SceneFacts, request: &Request<'_>) -> Support {
     match (cpu(facts, request), request.backend) {
         (Support::Skip(why), _) => Support::Skip(why),
-        (support, Backend::Gpu(_)) => gpu::<A>(facts, request).map_or(support, |why| Support::Skip(why.into())),
+        (support, Backend::Gpu(_)) => gpu::<A>().map_or(support, |why| Support::Skip(why.into())),
         (support, Backend::Cpu) => support,
     }
 }
 
-/// What there is that shaders do not do.
-fn gpu<A: Accumulator>(facts: &SceneFacts, Request { params, quantity, .. }: &Request<'_>) -> Option<&'static str> {
-    let lamps = facts.lamps > 0 && params.flag(params::LOCAL_LIGHTS.name) && *quantity == Quantity::Direct;
-    let missing = [
-        (A::SHADER.is_none(), "the method has no GPU backend"),
-        (!cfg!(feature = "gpu"), "this program was built without the feature gpu"),
-        (params::cut(params, A::PARAMS).is_some(), "cuts are not done on the GPU"),
-        (params::bakes(params, A::PARAMS), "baked blockers are not kept on the GPU"),
-        (lamps, "lamps are not lit on the GPU"),
-    ];
-    missing.into_iter().find(|(missing, _)| *missing).map(|(_, why)| why)
+/// Why a method does not run on the GPU.
+fn gpu<A: Accumulator>() -> Option<&'static str> {
+    match A::SHADER {
+        None => Some("the method has no GPU backend"),
+        Some(_) if !cfg!(feature = "gpu") => Some("this program was built without the feature gpu"),
+        Some(_) => None,
+    }
 }
 
 /// Direct light of what is distant and of spheres that emit, and visibility up to their own order, where

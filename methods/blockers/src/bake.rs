@@ -1,7 +1,17 @@
 //! What blockers that never move leave, kept for receivers that stay where they are (Ren 2006, §7: static blockers are "baked in").
 
 use glam::Vec3;
+use halflight_contract::{Job, Meter, counted, timed};
+use halflight_proxies::blockers;
 use halflight_scenes::{Receivers, Sphere};
+use halflight_sh::{LANES, coefficients};
+use rayon::prelude::*;
+
+use crate::stage::Stage;
+use crate::{Accumulator, Blockers, Gather, Tally, params};
+
+/// Receivers that one task handles.
+const CHUNK: usize = 256;
 
 /// Sums, or whatever a method accumulates, of still blockers at each receiver.
 #[derive(Clone, Debug, Default)]
@@ -19,8 +29,15 @@ pub(crate) struct Bake {
 }
 
 impl Bake {
-    pub(crate) fn new(spheres: Vec<Sphere>) -> Self {
-        Bake { spheres, ..Bake::default() }
+    /// Takes the blockers that never move out of a stage, if they are to be baked.
+    pub(crate) fn take<A: Accumulator>(job: &Job<'_, '_>, stage: &mut Stage<'_>) -> Option<Self> {
+        params::bakes(job.params, A::PARAMS).then(|| {
+            let mut still = stage.proxies.clone();
+            for ((object, moving), still) in job.scene.objects.iter().zip(&mut stage.proxies).zip(&mut still) {
+                *(if object.rests() { moving } else { still }) = None;
+            }
+            Bake { spheres: blockers(job.scene, &job.scene.frame(0), &still).spheres, ..Bake::default() }
+        })
     }
 
     /// Forgets what was accumulated.
@@ -46,19 +63,33 @@ impl Bake {
         self.places = places;
     }
 
-    /// Receivers that are not baked where they are.
-    pub(crate) fn missing(&self) -> &[usize] {
-        &self.missing
-    }
-
-    /// Keeps `size` coefficients of so many circles for each receiver that lacked them.
-    pub(crate) fn store(&mut self, size: usize, baked: &[(u32, Vec<f32>)]) {
+    /// Accumulates the blockers at receivers that lack them, in this order, and returns whether there was one.
+    pub(crate) fn fill<A: Accumulator>(
+        &mut self,
+        accumulator: &A,
+        (gather, order): (Gather, usize),
+        receivers: &Receivers,
+        meter: &mut dyn Meter,
+    ) -> bool {
+        if self.missing.is_empty() {
+            return false;
+        }
+        let baked: Vec<_> = timed(meter, "bake blockers", |_| {
+            let chunks = self.missing.par_chunks(CHUNK);
+            chunks
+                .flat_map_iter(|numbers| accumulated(accumulator, gather, receivers, numbers, &self.spheres))
+                .collect()
+        });
+        let circles = baked.iter().map(|(count, _)| u64::from(*count)).sum();
+        counted(meter, &[("receivers baked", baked.len() as u64), ("blockers baked", circles)]);
+        let size = coefficients(order);
         self.counts.resize(self.places.len(), 0);
         self.sums.resize(self.places.len() * size, 0.0);
         for (receiver, (count, sums)) in self.missing.drain(..).zip(baked) {
-            self.counts[receiver] = *count;
-            self.sums[receiver * size..][..size].copy_from_slice(sums);
+            self.counts[receiver] = count;
+            self.sums[receiver * size..][..size].copy_from_slice(&sums);
         }
+        true
     }
 
     /// Circles baked at a receiver, and what was accumulated of them.
@@ -72,4 +103,27 @@ impl Bake {
         let receivers = size_of_val(self.places.as_slice()) + size_of_val(self.counts.as_slice());
         receivers + size_of_val(self.sums.as_slice()) + size_of_val(self.spheres.as_slice())
     }
+}
+
+/// What is accumulated of spheres at receivers, and of how many circles.
+fn accumulated<A: Accumulator>(
+    accumulator: &A,
+    gather: Gather,
+    receivers: &Receivers,
+    numbers: &[usize],
+    spheres: &[Sphere],
+) -> Vec<(u32, Vec<f32>)> {
+    let (mut state, mut baked) = (accumulator.state(), Vec::with_capacity(numbers.len()));
+    let mut tally = Tally::default();
+    for group in numbers.chunks(LANES) {
+        accumulator.begin(&mut state);
+        let blockers = Blockers { spheres, ratios: &[] };
+        let counts = gather.circles(receivers, group, blockers, &mut tally, |circles| {
+            accumulator.block(&mut state, circles);
+        });
+        let sums = accumulator.kept(&mut state).unwrap_or_default();
+        let lane = |lane| (counts[lane], sums.iter().map(|block| block.0[lane]).collect());
+        baked.extend((0..group.len()).map(lane));
+    }
+    baked
 }

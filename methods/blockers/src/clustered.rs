@@ -2,6 +2,8 @@
 
 use halflight_contract::{Meter, Params, counted, timed};
 use halflight_proxies::{Hierarchy, PosedSpheres, Proxy};
+#[cfg(feature = "gpu")]
+use halflight_scenes::Revision;
 use halflight_scenes::{Receivers, Scene, Sphere};
 
 use crate::clusters::{Cluster, Clusters};
@@ -47,6 +49,12 @@ impl Clustered {
 
     pub(crate) fn clusters(&self) -> &[Cluster] {
         &self.clusters.clusters
+    }
+
+    /// The receivers that clusters were found for, and their size.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn made_for(&self) -> Option<(Revision, usize)> {
+        self.clusters.made_for
     }
 
     pub(crate) fn members(&self, cluster: &Cluster) -> &[usize] {

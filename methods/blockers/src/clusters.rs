@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// no part is too large: clusters are about as round, equally large and whole registers, and a camera that moves can afford them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Clusters {
-    made_for: Option<(Revision, usize)>,
+    pub(crate) made_for: Option<(Revision, usize)>,
     /// Valid receivers, those of a cluster together.
     members: Vec<usize>,
     pub(crate) clusters: Vec<Cluster>,

@@ -3,9 +3,8 @@
 use halflight_contract::{
     Error, Flow, Footprint, Job, Meter, Output, ParamSpec, Params, Prepared, Quantity, Result, counted, timed,
 };
-use halflight_proxies::blockers;
 use halflight_scenes::{Frame, Receivers};
-use halflight_sh::{Batch, Block, coefficients};
+use halflight_sh::{Batch, Block};
 use rayon::prelude::*;
 
 use crate::bake::Bake;
@@ -30,8 +29,11 @@ pub trait Accumulator: Send + Sync + Sized + 'static {
     /// declares
     ///
     /// - `fn begin()`, called before a receiver's circles,
-    /// - `fn block(circle: Circle, before: u32)`, for each circle, with the number of those before it,
+    /// - `fn block(circle: Circle, before: u32, place: u32)`, for each circle, with the number of those before it and the place of its
+    ///   sphere, by which `matched(log, place)` scales the circle's log if the method declares [`params::CUT`],
     /// - `fn finish(circles: u32) -> Vector`, the visibility if there was a circle; it adds the SH operations spent to `work`.
+    ///
+    /// and, if it declares [`params::BAKE`], `fn set_kept(sum: Vector)`, which sets after `begin` what [`Accumulator::kept`] gave.
     ///
     /// State between them is in `var<private>`.
     const SHADER: Option<&'static str> = None;
@@ -107,13 +109,7 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
     /// Derives sphere sets and light.
     pub fn prepare(job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Self> {
         let mut stage = Stage::derive(job, meter)?;
-        let bake = params::bakes(job.params, A::PARAMS).then(|| {
-            let mut still = stage.proxies.clone();
-            for ((object, moving), still) in job.scene.objects.iter().zip(&mut stage.proxies).zip(&mut still) {
-                *(if object.rests() { moving } else { still }) = None;
-            }
-            Bake::new(blockers(job.scene, &job.scene.frame(0), &still).spheres)
-        });
+        let bake = Bake::take::<A>(job, &mut stage);
         let cuts = params::cut(job.params, A::PARAMS).map(|rule| (rule, Clustered::new(job.scene, &stage.proxies)));
         Ok(DirectLight {
             params: job.params.clone(),
@@ -174,16 +170,10 @@ impl<'s, A: Accumulator> DirectLight<'s, A> {
 
     /// Accumulates blockers that never move at receivers that lack them.
     fn bake(&mut self, receivers: &Receivers, meter: &mut dyn Meter) {
-        let Some(mut bake) = self.bake.take_if(|bake| !bake.missing().is_empty()) else { return };
-        let shading = self.shading();
-        let baked: Vec<_> = timed(meter, "bake blockers", |_| {
-            let chunks = bake.missing().par_chunks(CHUNK);
-            chunks.flat_map_iter(|numbers| shading.accumulated(receivers, numbers, &bake.spheres)).collect()
-        });
-        let circles = baked.iter().map(|(count, _)| u64::from(*count)).sum();
-        counted(meter, &[("receivers baked", baked.len() as u64), ("blockers baked", circles)]);
-        bake.store(coefficients(params::accumulated_order(&self.params)), &baked);
-        self.bake = Some(bake);
+        let how = (self.gather, params::accumulated_order(&self.params));
+        if let Some(bake) = &mut self.bake {
+            bake.fill(&self.accumulator, how, receivers, meter);
+        }
     }
 
     fn shading(&self) -> Shading<'_, A> {

@@ -7,7 +7,7 @@ use halflight_sh::{LANES, Simd, run};
 use crate::seen::{Circles, Found, Group, SPHERES, Seen};
 
 /// Which blockers count.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gather {
     /// Self-shadow rule.
     pub self_shadow: SelfShadow,

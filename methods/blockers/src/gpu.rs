@@ -2,33 +2,39 @@
 //!
 //! What a frame needs is uploaded in `update` (blockers, and receivers if they are others than before), computed in `evaluate` and stays
 //! on the device until `read`. A method gives its part as WGSL ([`Accumulator::SHADER`]).
+//!
+//! Cuts are made on the CPU in `update` (again in `evaluate` if a parameter that they depend on has changed) and uploaded as a list of
+//! spheres a cluster; receivers lie cluster by cluster, so that the threads of a group walk one list, or two.
+
+mod baked;
+mod cuts;
+mod lamps;
+mod shader;
 
 use std::sync::Arc;
 
 use halflight_contract::{Error, Flow, Footprint, Job, Meter, Output, Params, Prepared, Quantity, Result, timed};
-use halflight_gpu::{Access, Gpu, Pass, Pipeline, Resident, Revision};
+use halflight_gpu::{Gpu, Pass, Pipeline, Resident, Revision};
 use halflight_proxies::SelfShadow;
-use halflight_scenes::{Frame, Receivers};
+use halflight_scenes::{Frame, Receivers, Sphere};
 use halflight_sh::{coefficients, wgsl};
 
 use crate::direct::report;
 use crate::stage::Stage;
 use crate::{Accumulator, Tally, Work, params};
+use baked::{Baked, bytes_each};
+use cuts::Cuts;
+use lamps::Lamps;
+pub use shader::{Needs, Text, source};
 
-/// A receiver as the shader sees it: position, geometric normal, normal and albedo, each padded.
+/// A receiver as the shader sees it: position and cluster, geometric normal, normal and albedo, each padded.
 type Seer = [[f32; 4]; 4];
 
-/// The whole shader of a method at an order of accumulation.
-///
-/// # Panics
-/// If the method has none.
-pub fn source<A: Accumulator>(order: usize) -> String {
-    let own = A::SHADER.expect("only methods with a shader are supported");
-    [&wgsl::algebra(order), include_str!("direct.wgsl"), own].join("\n")
-}
+/// Lavapipe ends all loops of a thread after so many rounds in sum, without a word.
+const SOFTWARE_ROUNDS: u64 = 65_535;
 
-/// A shader's text by the order of accumulation.
-pub type Text = Box<dyn Fn(usize) -> String + Send>;
+/// The receivers' revision, and what clusters were made for.
+type Order = (Revision, Option<(Revision, usize)>);
 
 /// A [`Prepared`] for direct light by an [`Accumulator::SHADER`].
 pub struct GpuDirectLight<'s, A> {
@@ -36,6 +42,7 @@ pub struct GpuDirectLight<'s, A> {
     params: Params,
     stage: Stage<'s>,
     text: Text,
+    needs: Needs,
     pipeline: Arc<Pipeline>,
     settings: Resident,
     receivers: Resident,
@@ -43,11 +50,15 @@ pub struct GpuDirectLight<'s, A> {
     tables: Resident,
     results: Resident,
     counters: Resident,
+    cuts: Option<Cuts>,
+    baked: Option<Baked<A>>,
+    lamps: Option<Lamps>,
+    /// What receivers on the device lie in the order of.
+    placed: Option<Order>,
     /// The receivers' numbers by their place on the device, of how many.
     valid: Vec<u32>,
     count: usize,
     quantity: Quantity,
-    method: std::marker::PhantomData<fn() -> A>,
 }
 
 impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
@@ -59,8 +70,11 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
     /// The same with another text than [`source`], by the order of accumulation.
     pub fn with_source(job: &Job<'s, '_>, meter: &mut dyn Meter, text: Text) -> Result<Self> {
         let gpu = timed(meter, "open device", |_| Gpu::shared(job.backend))?;
-        let stage = Stage::derive(job, meter)?;
-        let pipeline = timed(meter, "compile shader", |_| compile(&gpu, &text, job.params))?;
+        let mut stage = Stage::derive(job, meter)?;
+        let baked = Baked::take(job, &mut stage);
+        let (cuts, lamps) = (Cuts::new::<A>(job.scene, &stage, job.params), Lamps::new(&stage));
+        let needs = Needs { cuts: cuts.is_some(), baked: baked.is_some(), lamps: lamps.as_ref().map(Lamps::kind) };
+        let pipeline = timed(meter, "compile shader", |_| compile(&gpu, &text, job.params, needs))?;
         Ok(GpuDirectLight {
             gpu,
             params: job.params.clone(),
@@ -73,21 +87,51 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
             tables: Resident::new("tables"),
             results: Resident::new("results"),
             counters: Resident::new("counters"),
+            cuts,
+            baked,
+            lamps,
+            needs,
+            placed: None,
             valid: Vec::new(),
             count: 0,
             quantity: Quantity::Direct,
-            method: std::marker::PhantomData,
         })
     }
 
-    /// Uploads receivers that are not there yet.
+    /// Uploads what is seen, if that on the device is not the same: spheres or cuts of them.
+    fn show(&mut self, receivers: &Receivers, meter: &mut dyn Meter) -> Result<()> {
+        let (gpu, stage, spheres) = (&self.gpu, &self.stage, &mut self.spheres);
+        match &mut self.cuts {
+            Some(cuts) => cuts.upload(gpu, stage, receivers, &self.params, spheres, meter),
+            None => Ok(spheres.sync(gpu, stage.posed, meter, || words(&stage.spheres.spheres))?),
+        }
+    }
+
+    /// Uploads receivers that are not there yet, those of a cluster together, and what is baked of them.
     fn place(&mut self, receivers: &Receivers, meter: &mut dyn Meter) -> Result<()> {
-        let valid = &mut self.valid;
+        let order = Some((receivers.revision, self.cuts.as_ref().and_then(Cuts::made_for)));
+        let moved = self.placed != order;
+        if moved {
+            self.upload_receivers(receivers, meter)?;
+            self.placed = order;
+        }
+        match &mut self.baked {
+            Some(baked) => baked.upload(&self.gpu, &self.params, receivers, (&self.valid, moved), meter),
+            None => Ok(()),
+        }
+    }
+
+    fn upload_receivers(&mut self, receivers: &Receivers, meter: &mut dyn Meter) -> Result<()> {
+        let members: Vec<(u32, u32)> = match &self.cuts {
+            Some(cuts) => cuts.members().collect(),
+            None => (0..receivers.len() as u32).filter(|&i| receivers.valid[i as usize]).map(|i| (i, 0)).collect(),
+        };
+        let seers: Vec<Seer> = members.iter().map(|&(i, cluster)| seer(receivers, i as usize, cluster)).collect();
+        self.placed = None;
+        self.receivers.upload(&self.gpu, meter, &seers)?;
         self.count = receivers.len();
-        Ok(self.receivers.sync(&self.gpu, receivers.revision, meter, || {
-            *valid = (0..receivers.len() as u32).filter(|&i| receivers.valid[i as usize]).collect();
-            valid.iter().map(|&i| seer(receivers, i as usize)).collect()
-        })?)
+        self.valid = members.into_iter().map(|(receiver, _)| receiver).collect();
+        Ok(())
     }
 
     /// What the shader reads as `Settings`.
@@ -106,7 +150,8 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
         let guard = u32::from(self.params.flag(params::GUARD.name));
         let least = params::gather(&self.params).min_sin_angle.to_bits();
         let spheres = self.stage.spheres.spheres.len() as u32;
-        let mut words = vec![spheres, self_shadow, guard, order as u32, wanted, least, 0, 0];
+        let ratios = u32::from(self.cuts.as_ref().is_some_and(Cuts::scales));
+        let mut words = vec![spheres, self_shadow, guard, order as u32, wanted, least, ratios, 0];
         words.extend(A::shader_settings(&self.params).map(f32::to_bits));
         let mut vector = |values: &[f32]| {
             let padded = values.iter().copied().chain(std::iter::repeat(0.0));
@@ -118,15 +163,29 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
         words
     }
 
+    /// Refuses more spheres than a receiver's thread gets through: each is a round, and where it costs a product, one for each pair of that
+    /// product's rings.
+    fn within_rounds(&self) -> Result<()> {
+        let spheres = self.cuts.as_ref().map_or(self.stage.spheres.spheres.len() as u64, Cuts::longest);
+        let most = SOFTWARE_ROUNDS / (3 + params::accumulated_order(&self.params) as u64 / 2);
+        if self.gpu.adapter().is_software() && spheres > most {
+            let name = &self.gpu.adapter().name;
+            let what = format!("{name}: {spheres} spheres before a receiver, expected at most {most} at this order");
+            return Err(Error::Device(what));
+        }
+        Ok(())
+    }
+
     /// Runs the shader over all receivers, as many at a time as a binding holds.
     fn shade(&self, meter: &mut dyn Meter) -> Result<()> {
         let (each, wanted) = (size_of::<Seer>() as u64, 4 * self.quantity.channels() as u64);
         // Parts begin at multiples of 256 bytes.
-        let most = (self.gpu.max_binding() / each.max(wanted)) & !63;
+        let order = params::accumulated_order(&self.params);
+        let most = (self.gpu.max_binding() / each.max(wanted).max(bytes_each(order))) & !63;
         let count = self.valid.len() as u64;
         for first in (0..count).step_by(most as usize) {
             let threads = most.min(count - first);
-            let buffers = [
+            let mut buffers = vec![
                 self.settings.whole(),
                 self.receivers.part(first * each, threads * each),
                 self.spheres.whole(),
@@ -134,6 +193,9 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
                 self.results.part(first * wanted, threads * wanted),
                 self.counters.whole(),
             ];
+            buffers.extend(self.cuts.iter().flat_map(Cuts::buffers));
+            buffers.extend(self.baked.iter().map(|baked| baked.part(first, threads, order)));
+            buffers.extend(self.lamps.iter().flat_map(Lamps::buffers));
             let pass = Pass { name: "accumulate and shade", pipeline: &self.pipeline, buffers: &buffers, threads };
             self.gpu.run(&[pass], meter)?;
         }
@@ -141,25 +203,35 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
     }
 
     fn report(&self, receivers: &Receivers, meter: &mut dyn Meter) -> Result<()> {
-        let words: Vec<[u32; 2]> = self.gpu.download(&self.counters, 6, meter)?;
-        let [accumulated, too_small, additions, products, squares, guarded] =
+        let words: Vec<[u32; 2]> = self.gpu.download(&self.counters, 7, meter)?;
+        let [accumulated, too_small, additions, products, squares, guarded, kept] =
             std::array::from_fn(|i| u64::from(words[i][0]) | u64::from(words[i][1]) << 32);
-        let looked_at = self.valid.len() as u64 * self.stage.spheres.spheres.len() as u64;
+        let looked_at = match &self.cuts {
+            Some(cuts) => cuts.looked_at,
+            None => self.valid.len() as u64 * self.stage.spheres.spheres.len() as u64,
+        };
         let tally = Tally { accumulated, too_small, removed: looked_at - accumulated - too_small };
-        report(meter, receivers, &tally, &Work { additions, products, squares, guarded, kept: 0 });
+        report(meter, receivers, &tally, &Work { additions, products, squares, guarded, kept });
+        self.cuts.iter().for_each(|cuts| cuts.report(meter));
         Ok(())
     }
 }
 
-fn compile(gpu: &Gpu, text: &Text, params: &Params) -> Result<Arc<Pipeline>> {
-    use Access::{Read, Write};
+fn compile(gpu: &Gpu, text: &Text, params: &Params, needs: Needs) -> Result<Arc<Pipeline>> {
     let order = params::accumulated_order(params);
-    Ok(gpu.pipeline("accumulate and shade", &text(order), &[Read, Read, Read, Read, Write, Write])?)
+    Ok(gpu.pipeline("accumulate and shade", &text(order, needs), &needs.buffers())?)
 }
 
-fn seer(receivers: &Receivers, i: usize) -> Seer {
-    [receivers.position[i], receivers.geometric_normal[i], receivers.normal[i], receivers.albedo[i]]
-        .map(|vector| vector.extend(0.0).to_array())
+fn seer(receivers: &Receivers, i: usize, cluster: u32) -> Seer {
+    let vectors = [receivers.position[i], receivers.geometric_normal[i], receivers.normal[i], receivers.albedo[i]];
+    let mut seer = vectors.map(|vector| vector.extend(0.0).to_array());
+    seer[0][3] = f32::from_bits(cluster);
+    seer
+}
+
+/// Spheres as shaders see them.
+fn words(spheres: &[Sphere]) -> Vec<[f32; 4]> {
+    spheres.iter().map(|sphere| sphere.center.extend(sphere.radius).to_array()).collect()
 }
 
 impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
@@ -172,23 +244,37 @@ impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
             ("result", &self.results),
             ("counters", &self.counters),
         ];
+        let (cuts, baked) = (self.cuts.as_ref(), self.baked.as_ref());
+        let host = cuts
+            .into_iter()
+            .flat_map(Cuts::host_bytes)
+            .chain(baked.map(|baked| ("baked blockers", baked.host_bytes())));
+        let device = (buffers.iter().map(|(purpose, buffer)| (*purpose, buffer.bytes())))
+            .chain(cuts.into_iter().flat_map(Cuts::device_bytes))
+            .chain(baked.map(|baked| ("baked blockers", baked.device_bytes())))
+            .chain(self.lamps.iter().flat_map(Lamps::bytes));
         let footprint = self.stage.footprint().host("receivers", size_of_val(self.valid.as_slice()));
-        buffers.iter().fold(footprint, |sum, (purpose, buffer)| sum.device(purpose, buffer.bytes()))
+        let footprint = host.fold(footprint, |sum, (purpose, bytes)| sum.host(purpose, bytes));
+        device.fold(footprint, |sum, (purpose, bytes)| sum.device(purpose, bytes))
     }
 
     fn retune(&mut self, params: &Params) -> Result<()> {
         params.retune(&mut self.params, A::PARAMS)?;
-        self.pipeline = compile(&self.gpu, &self.text, &self.params)?;
+        self.cuts.iter_mut().for_each(|cuts| cuts.retune::<A>(params));
+        self.baked.iter_mut().for_each(|baked| baked.retune(params));
+        self.pipeline = compile(&self.gpu, &self.text, &self.params, self.needs)?;
         Ok(())
     }
 
     fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
         self.stage.update(frame, meter);
+        if let Some(cuts) = &mut self.cuts {
+            cuts.update(&self.stage.spheres, &frame.receivers, &self.params, meter);
+        }
+        self.baked.iter_mut().for_each(|baked| baked.move_to(&frame.receivers));
         timed(meter, "upload", |meter| {
-            let spheres = self.stage.spheres.spheres.iter();
-            let values: Vec<[f32; 4]> = spheres.map(|s| s.center.extend(s.radius).to_array()).collect();
-            self.spheres.upload(&self.gpu, meter, &values)?;
-            self.place(&frame.receivers, meter)
+            self.place(&frame.receivers, meter)?;
+            self.show(&frame.receivers, meter)
         })
     }
 
@@ -198,11 +284,17 @@ impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
         if meter.progress("receivers", 0, receivers.len() as u64) == Flow::Cancel {
             return Err(Error::Cancelled);
         }
+        // Parameters may have changed since the update.
+        self.show(receivers, meter)?;
         self.place(receivers, meter)?;
+        self.within_rounds()?;
         let order = params::accumulated_order(&self.params);
         self.tables.sync(&self.gpu, Revision(order as u64), meter, || wgsl::tables(order))?;
         self.settings.upload(&self.gpu, meter, &self.settings())?;
-        self.counters.upload(&self.gpu, meter, &[0u32; 12])?;
+        if let Some(lamps) = &mut self.lamps {
+            lamps.upload(&self.gpu, &self.stage, order, meter)?;
+        }
+        self.counters.upload(&self.gpu, meter, &[0u32; 14])?;
         self.results.reserve(&self.gpu, 4 * (self.valid.len() * quantity.channels()) as u64)?;
         timed(meter, "accumulate and shade", |meter| self.shade(meter))?;
         self.report(receivers, meter)

@@ -15,6 +15,8 @@ use halflight_scenes::{Frame, Rgb, Scene, Shape, Sphere};
 use halflight_sh::{Batch, Block, LANES, coefficients};
 
 pub(crate) use lobes::Lobes;
+#[cfg(feature = "gpu")]
+pub(crate) use lobes::{ANGLES, TILTS};
 
 /// A sphere that emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,8 +170,8 @@ fn open(sine: f32, cosine: f32) -> f32 {
         return square * cosine.max(0.0);
     }
     let (cut, rest) = ((sine - cosine) * (sine + cosine), (1.0 - square).max(0.0));
-    let across = (1.0 - cosine * cosine).max(f32::MIN_POSITIVE);
-    let turn = (-cosine * (rest / (square * across)).sqrt()).clamp(-1.0, 1.0).acos();
+    // Both of the same root, so that what it is off by cancels at the rim.
+    let turn = cut.sqrt().atan2(-cosine * rest.sqrt());
     let chord = cut.sqrt().atan2(rest.sqrt());
     let kept = square * cosine * turn + segment(chord) + 0.5 * cosine * cosine * (2.0 * chord).sin();
     (kept / PI).max(0.0)

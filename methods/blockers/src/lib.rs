@@ -37,6 +37,6 @@ pub use clusters::clusters;
 pub use direct::{Accumulator, Counts, DirectLight, Work, fill_open};
 pub use gather::{Blockers, Gather, Tally};
 #[cfg(feature = "gpu")]
-pub use gpu::{GpuDirectLight, Text, source};
+pub use gpu::{GpuDirectLight, Needs, Text, source};
 pub use halflight_proxies::SelfShadow;
 pub use seen::Circles;

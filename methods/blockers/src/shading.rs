@@ -1,7 +1,7 @@
 //! Shading of receivers, 16 side by side.
 
 use halflight_contract::Quantity;
-use halflight_scenes::{Receivers, Rgb, Sphere};
+use halflight_scenes::{Receivers, Rgb};
 use halflight_sh::{Batch, Block, LANES, clamped_cosine, coefficients, project_binary_bound};
 
 use crate::bake::Bake;
@@ -154,27 +154,6 @@ impl<A: Accumulator> Shading<'_, A> {
             sums.iter_mut().zip(values).for_each(|(block, value)| block.0[lane] = *value);
         }
         counts
-    }
-
-    /// What is accumulated of spheres at receivers, and of how many circles.
-    pub(crate) fn accumulated(
-        &self,
-        receivers: &Receivers,
-        numbers: &[usize],
-        spheres: &[Sphere],
-    ) -> Vec<(u32, Vec<f32>)> {
-        let (mut state, mut baked) = (self.accumulator.state(), Vec::with_capacity(numbers.len()));
-        let mut tally = Tally::default();
-        for group in numbers.chunks(LANES) {
-            self.accumulator.begin(&mut state);
-            let blockers = Blockers { spheres, ratios: &[] };
-            let accumulate = |circles: &Circles<'_>| self.accumulator.block(&mut state, circles);
-            let counts = self.gather.circles(receivers, group, blockers, &mut tally, accumulate);
-            let sums = self.accumulator.kept(&mut state).unwrap_or_default();
-            let lane = |lane| (counts[lane], sums.iter().map(|block| block.0[lane]).collect());
-            baked.extend((0..group.len()).map(lane));
-        }
-        baked
     }
 
     /// `(L, H(N) * g)` for each colour, `L` the distant light and that of lamps.

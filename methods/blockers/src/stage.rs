@@ -5,6 +5,8 @@ use std::sync::Arc;
 use halflight_contract::{Footprint, Job, Meter, Params, Result, timed};
 use halflight_light::{LightOf, SceneLight, ShLight};
 use halflight_proxies::{PosedSpheres, Proxy, blockers, proxies};
+#[cfg(feature = "gpu")]
+use halflight_scenes::Revision;
 use halflight_scenes::{Frame, Scene};
 use halflight_sh::{apply_bands, coefficients, window};
 
@@ -21,9 +23,13 @@ pub(crate) struct Stage<'s> {
     lit: ShLight,
     /// A factor for each band of light.
     pub(crate) light_window: Vec<f32>,
-    local_lights: bool,
+    /// Whether there are lamps and they are lit.
+    pub(crate) lamplit: bool,
     pub(crate) proxies: Vec<Option<Proxy>>,
     pub(crate) spheres: PosedSpheres,
+    /// Another one whenever `spheres` are others.
+    #[cfg(feature = "gpu")]
+    pub(crate) posed: Revision,
     pub(crate) lamps: Vec<Lamp>,
     /// None if lamps light by shares, or there is none.
     pub(crate) lobes: Option<Lobes>,
@@ -33,9 +39,10 @@ impl<'s> Stage<'s> {
     /// Derives sphere sets and light.
     pub(crate) fn derive(job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Self> {
         let order = job.params.int(params::ORDER.name);
-        let local_lights = job.params.flag(params::LOCAL_LIGHTS.name);
+        let lamplit = job.params.flag(params::LOCAL_LIGHTS.name)
+            && (0..job.scene.objects.len()).any(|object| is_lamp(job.scene, object));
         let mut proxies = proxies(job, job.params.int(params::SPHERES.name), meter)?;
-        if local_lights {
+        if lamplit {
             // A lamp must not stand in its own light.
             proxies
                 .iter_mut()
@@ -48,8 +55,7 @@ impl<'s> Stage<'s> {
             true => bands(order),
             false => vec![1.0; order],
         };
-        let lobes = local_lights && job.params.choice(params::LAMPS.name) == "lobe";
-        let lobes = lobes && (0..job.scene.objects.len()).any(|object| is_lamp(job.scene, object));
+        let lobes = lamplit && job.params.choice(params::LAMPS.name) == "lobe";
         let lobes = lobes.then(|| timed(meter, "fit lobes", |_| Lobes::new(order, &light_window)));
         Ok(Stage {
             scene: job.scene,
@@ -57,9 +63,11 @@ impl<'s> Stage<'s> {
             lit: light.still.clone(),
             light,
             light_window,
-            local_lights,
+            lamplit,
             proxies,
             spheres: PosedSpheres::default(),
+            #[cfg(feature = "gpu")]
+            posed: Revision(0),
             lamps: Vec::new(),
             lobes,
         })
@@ -67,11 +75,16 @@ impl<'s> Stage<'s> {
 
     /// Follows what moves.
     pub(crate) fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) {
-        self.spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.proxies));
+        let spheres = timed(meter, "pose spheres", |_| blockers(self.scene, frame, &self.proxies));
+        #[cfg(feature = "gpu")]
+        if spheres != self.spheres {
+            self.posed.0 += 1;
+        }
+        self.spheres = spheres;
         if !self.light.turning.is_empty() {
             self.lit = timed(meter, "turn light", |_| self.light.at(frame.time).into_owned());
         }
-        if self.local_lights {
+        if self.lamplit {
             self.lamps = lamps(self.scene, frame);
         }
     }

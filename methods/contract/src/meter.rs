@@ -23,6 +23,9 @@ pub trait Meter {
     fn derived(&mut self, what: &'static str, nanoseconds: u64);
     /// Time that a named pass took by a graphics processor's own clock; spans around it count waiting for it too.
     fn gpu(&mut self, _pass: &'static str, _nanoseconds: u64) {}
+    /// Work that a named pass did at least: arithmetic operations, a fused one counted as two, and bytes that had to come from the
+    /// processor's memory or go there.
+    fn work(&mut self, _pass: &'static str, _operations: u64, _bytes: u64) {}
 }
 
 /// A meter that records nothing and never cancels.

@@ -1,5 +1,8 @@
 //! Buffers that stay on the device between frames.
 
+use std::ops::Range;
+use std::sync::mpsc;
+
 use bytemuck::Pod;
 use halflight_contract::Meter;
 use halflight_scenes::Revision;
@@ -66,6 +69,20 @@ impl Resident {
         Ok(())
     }
 
+    /// Uploads values over those from `first` on, and leaves the rest as it is.
+    ///
+    /// # Errors
+    /// The buffer does not hold so many, or the device is lost.
+    pub fn write<T: Pod>(&self, gpu: &Gpu, meter: &mut dyn Meter, first: usize, values: &[T]) -> Result<()> {
+        let (buffer, offset) = (self.buffer()?, (first * size_of::<T>()) as u64);
+        let bytes: &[u8] = bytemuck::cast_slice(values);
+        if !bytes.is_empty() {
+            gpu.checked(self.what, || gpu.queue.write_buffer(buffer, offset, bytes))?;
+        }
+        meter.count("bytes uploaded", bytes.len() as u64);
+        Ok(())
+    }
+
     /// Makes room for so many bytes, a multiple of 4; what it held may be gone.
     ///
     /// # Errors
@@ -84,19 +101,8 @@ impl Resident {
         }
         self.buffer = None;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        self.create(gpu, size, usage)
-    }
-
-    /// Room for timestamps.
-    pub(crate) fn reserve_queries(&mut self, gpu: &Gpu, size: u64) -> Result<()> {
-        self.create(gpu, size, wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC)
-    }
-
-    fn create(&mut self, gpu: &Gpu, size: u64, usage: wgpu::BufferUsages) -> Result<()> {
-        let what = self.what;
-        let descriptor = wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
         let asked = format!("{what}, {size} bytes");
-        self.buffer = Some(gpu.checked(&asked, || gpu.device.create_buffer(&descriptor))?);
+        self.buffer = Some(gpu.create(&asked, size, usage)?);
         Ok(())
     }
 
@@ -107,7 +113,12 @@ impl Resident {
 
     /// Some of it, from a multiple of 256 bytes on.
     pub fn part(&self, offset: u64, bytes: u64) -> Part<'_> {
-        Part { buffer: self, offset, bytes: bytes.max(16) }
+        Part { buffer: self, offset, bytes }
+    }
+
+    /// Some of its items, of so many bytes each ([`Gpu::parts`]).
+    pub fn items(&self, range: Range<u64>, bytes: u64) -> Part<'_> {
+        self.part(range.start * bytes, (range.end - range.start) * bytes)
     }
 
     /// Bytes held on the device.
@@ -129,6 +140,13 @@ impl Resident {
     }
 }
 
+/// Bytes of a buffer that are to be brought back.
+pub(crate) struct Copy<'a> {
+    pub(crate) from: &'a wgpu::Buffer,
+    pub(crate) offset: u64,
+    pub(crate) bytes: u64,
+}
+
 impl Gpu {
     /// The first values of a buffer.
     ///
@@ -140,32 +158,67 @@ impl Gpu {
         meter.count("bytes downloaded", all.len() as u64);
         let mut offset = 0;
         for out in all.chunks_mut(STAGE as usize) {
-            self.fetch(from, offset, out)?;
+            let copy = Copy { from: from.buffer()?, offset, bytes: out.len() as u64 };
+            self.submit(from.what, |_| (), &[copy], |bytes| out.copy_from_slice(bytes))?;
             offset += out.len() as u64;
         }
         Ok(values)
     }
 
-    fn fetch(&self, from: &Resident, offset: u64, out: &mut [u8]) -> Result<()> {
-        let (source, size) = (from.buffer()?, out.len() as u64);
-        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
-        let descriptor = wgpu::BufferDescriptor { label: Some("stage"), size, usage, mapped_at_creation: false };
-        let stage = self.checked(from.what, || {
-            let stage = self.device.create_buffer(&descriptor);
+    /// Has the device do what is recorded, waits, and reads what is to be brought back, one copy after the other.
+    pub(crate) fn submit(
+        &self,
+        what: &str,
+        record: impl FnOnce(&mut wgpu::CommandEncoder),
+        copies: &[Copy<'_>],
+        read: impl FnOnce(&[u8]),
+    ) -> Result<()> {
+        let bytes = copies.iter().map(|copy| copy.bytes).sum();
+        let stage = self.stage(bytes)?;
+        let (tell, told) = mpsc::channel();
+        self.checked(what, || {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            encoder.copy_buffer_to_buffer(source, offset, &stage, 0, size);
+            record(&mut encoder);
+            let mut to = 0;
+            for copy in copies {
+                encoder.copy_buffer_to_buffer(copy.from, copy.offset, &stage, to, copy.bytes);
+                to += copy.bytes;
+            }
             self.queue.submit([encoder.finish()]);
-            stage.map_async(wgpu::MapMode::Read, .., |_| ());
-            stage
+            if bytes > 0 {
+                stage.map_async(wgpu::MapMode::Read, ..bytes, move |mapped| {
+                    // Nobody listens any more where the device was lost.
+                    let _ = tell.send(mapped);
+                });
+            }
         })?;
         self.wait()?;
-        let failed = |error: String| GpuError::Invalid {
-            adapter: self.adapter().name.clone(),
-            what: from.what.into(),
-            message: error,
-        };
-        let view = stage.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
-        out.copy_from_slice(&view);
+        if bytes > 0 {
+            let failed =
+                |message| GpuError::Invalid { adapter: self.adapter().name.clone(), what: what.into(), message };
+            // Another thread that waits may be the one that tells.
+            told.recv().map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
+            read(&stage.get_mapped_range(..bytes).map_err(|error| failed(error.to_string()))?);
+            stage.unmap();
+        }
+        self.stages.lock().expect("only stores").push(stage);
         Ok(())
+    }
+
+    /// A buffer of at least so many bytes that the processor's cores can read: one that was used before if it is large enough.
+    fn stage(&self, bytes: u64) -> Result<wgpu::Buffer> {
+        let known = self.stages.lock().expect("only stores").pop();
+        match known.filter(|stage| stage.size() >= bytes) {
+            Some(stage) => Ok(stage),
+            None => {
+                let size = bytes.next_power_of_two().clamp(4096, STAGE);
+                self.create("stage", size, wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ)
+            }
+        }
+    }
+
+    pub(crate) fn create(&self, what: &str, size: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
+        let descriptor = wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
+        self.checked(what, || self.device.create_buffer(&descriptor))
     }
 }

@@ -1,11 +1,13 @@
 //! The device: opened once, shared, with the pipelines that it compiled.
 
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 use halflight_contract::Backend;
 
-use crate::adapter::{Adapter, found};
+use crate::adapter::{Adapter, Found, found};
+use crate::pass::Clock;
 use crate::{GpuError, Result};
 
 /// A shader's text and its buffers.
@@ -13,12 +15,18 @@ type Text = (String, Vec<Access>);
 
 /// An open device.
 pub struct Gpu {
-    adapter: &'static Adapter,
+    /// The adapter's number.
+    number: u8,
+    adapter: Adapter,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     /// Why the device is gone, once it is.
     lost: Arc<Mutex<Option<String>>>,
     pipelines: Mutex<HashMap<Text, Arc<Pipeline>>>,
+    /// Not in use at the moment.
+    pub(crate) stages: Mutex<Vec<wgpu::Buffer>>,
+    /// Not in use at the moment.
+    pub(crate) clocks: Mutex<Vec<Clock>>,
 }
 
 /// What a shader does with a buffer.
@@ -36,23 +44,37 @@ pub struct Pipeline {
     pub(crate) layout: wgpu::BindGroupLayout,
 }
 
-/// The devices that are open, by the adapter's number.
+/// The devices that are open, by the backend's number.
 static OPEN: Mutex<BTreeMap<u8, Arc<Gpu>>> = Mutex::new(BTreeMap::new());
 
 impl Gpu {
-    /// The device of a backend, which all that asks for it shares: opened on first need, and again once it was lost.
+    /// The device of a backend, which all that asks for it shares: opened on first need, and again, as it was, once it was lost.
     ///
     /// # Errors
     /// As [`Gpu::open`], and for the CPU.
     pub fn shared(backend: Backend) -> Result<Arc<Self>> {
         let Backend::Gpu(number) = backend else { return Err(GpuError::NoAdapter) };
         let mut open = OPEN.lock().expect("nothing panics while opening");
-        if let Some(gpu) = open.get(&number).filter(|gpu| gpu.present().is_ok()) {
-            return Ok(Arc::clone(gpu));
-        }
-        let gpu = Arc::new(Gpu::open(number)?);
+        let gpu = match open.get(&number) {
+            Some(gpu) if gpu.present().is_ok() => return Ok(Arc::clone(gpu)),
+            Some(lost) => Gpu::open_as(lost.number, lost.adapter.clone())?,
+            None => Gpu::open(number)?,
+        };
+        let gpu = Arc::new(gpu);
         open.insert(number, Arc::clone(&gpu));
         Ok(gpu)
+    }
+
+    /// Makes this the device of a backend. Under a number that no adapter has, a lesser device ([`Gpu::open_as`]) is there for those
+    /// who ask for it and for nobody else: so tests see what methods do on adapters that this machine does not have.
+    ///
+    /// # Panics
+    /// For the CPU.
+    pub fn share(self, backend: Backend) -> Arc<Self> {
+        let Backend::Gpu(number) = backend else { panic!("{backend} has no device") };
+        let gpu = Arc::new(self);
+        OPEN.lock().expect("nothing panics while opening").insert(number, Arc::clone(&gpu));
+        gpu
     }
 
     /// Opens the adapter of this number among [`crate::adapters`], with all that it can hold.
@@ -60,17 +82,25 @@ impl Gpu {
     /// # Errors
     /// There is no such adapter, or its driver refuses.
     pub fn open(number: u8) -> Result<Self> {
-        let Some((adapter, physical)) = found().get(usize::from(number)) else {
-            return Err(match found().len() {
-                0 => GpuError::NoAdapter,
-                count => GpuError::Unknown { wanted: number.to_string(), known: format!("{count} adapters") },
-            });
-        };
+        Gpu::open_as(number, physical(number)?.0.clone())
+    }
+
+    /// Opens an adapter as if it were one of less memory or without a clock; what it lacks then is refused as that one would.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`]; a limit is beyond what the adapter has.
+    pub fn open_as(number: u8, adapter: Adapter) -> Result<Self> {
+        let (_, physical) = physical(number)?;
         let timestamps = if adapter.timestamps { wgpu::Features::TIMESTAMP_QUERY } else { wgpu::Features::empty() };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("halflight"),
             required_features: timestamps,
-            required_limits: physical.limits(),
+            required_limits: wgpu::Limits {
+                max_storage_buffer_binding_size: adapter.max_binding,
+                max_buffer_size: adapter.max_buffer,
+                max_compute_workgroups_per_dimension: adapter.max_groups,
+                ..physical.limits()
+            },
             ..wgpu::DeviceDescriptor::default()
         };
         let opened = pollster::block_on(physical.request_device(&descriptor));
@@ -82,17 +112,26 @@ impl Gpu {
             let message = if message.is_empty() { "no reason given".into() } else { message };
             *note.lock().expect("only stores") = Some(message);
         });
-        Ok(Gpu { adapter, device, queue, lost, pipelines: Mutex::default() })
+        let (stages, clocks) = (Mutex::default(), Mutex::default());
+        Ok(Gpu { number, adapter, device, queue, lost, pipelines: Mutex::default(), stages, clocks })
     }
 
     /// What it runs on.
-    pub fn adapter(&self) -> &'static Adapter {
-        self.adapter
+    pub fn adapter(&self) -> &Adapter {
+        &self.adapter
     }
 
-    /// The most bytes of a buffer that a pass can be given; work on more goes part by part.
+    /// The most bytes of a buffer that a pass can be given; work on more goes part by part ([`Gpu::parts`]).
     pub fn max_binding(&self) -> u64 {
         self.adapter.max_binding.min(self.adapter.max_buffer)
+    }
+
+    /// So many items as ranges that a pass can be given, if the largest buffer has so many bytes an item. Each range begins at a
+    /// multiple of 64 items, and so of 256 bytes of any buffer.
+    pub fn parts(&self, items: u64, bytes: u64) -> impl Iterator<Item = Range<u64>> {
+        let fit = self.max_binding() / bytes;
+        let most = if items <= fit { items.max(1) } else { (fit & !63).max(64) };
+        (0..items).step_by(most as usize).map(move |first| first..items.min(first + most))
     }
 
     /// Compiles WGSL for these buffers, or takes what was compiled of the same text before.
@@ -163,13 +202,14 @@ impl Gpu {
     /// Waits until the device has done all that it was told.
     pub(crate) fn wait(&self) -> Result<()> {
         let done = self.device.poll(wgpu::PollType::wait_indefinitely());
-        self.present()?;
-        done.map(|_| ())
-            .map_err(|error| GpuError::Lost { adapter: self.adapter.name.clone(), message: error.to_string() })
+        if let Err(error) = done {
+            self.lost.lock().expect("only stores").get_or_insert_with(|| error.to_string());
+        }
+        self.present()
     }
 
     /// Refuses if the device is lost.
-    fn present(&self) -> Result<()> {
+    pub(crate) fn present(&self) -> Result<()> {
         match self.lost.lock().expect("only stores").clone() {
             None => Ok(()),
             Some(message) => Err(GpuError::Lost { adapter: self.adapter.name.clone(), message }),
@@ -183,4 +223,12 @@ impl Gpu {
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.lost.lock().expect("only stores").get_or_insert_with(|| "given up".into());
     }
+}
+
+fn physical(number: u8) -> Result<&'static Found> {
+    let missing = || match found().len() {
+        0 => GpuError::NoAdapter,
+        count => GpuError::Unknown { wanted: number.to_string(), known: format!("{count} adapters") },
+    };
+    found().get(usize::from(number)).ok_or_else(missing)
 }

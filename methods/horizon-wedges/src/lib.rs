@@ -25,6 +25,8 @@
 //! does. Receivers that do not lie on the field are taken to stand on it below where they are.
 
 mod casters;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod key;
 mod params;
 mod plan;
@@ -62,6 +64,10 @@ pub struct Variant {
     casters: bool,
 }
 
+/// The backends of variants that have shaders.
+const BOTH: &[Backend] = if cfg!(feature = "gpu") { &[Backend::Cpu, Backend::GPU] } else { CPU };
+const CPU: &[Backend] = &[Backend::Cpu];
+
 /// How key lights are seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Keys {
@@ -90,7 +96,7 @@ pub const COMPLETE: Variant = Variant {
         id: "horizon-wedges/complete",
         about: "horizons from a pyramid, wedges over the complete swath for all light",
         paper: "Snyder and Nowrouzezahrai 2008, §§4–6",
-        backends: &[Backend::Cpu],
+        backends: BOTH,
         params: with!(LEVELS, OFFSET, SCALE, PLANE, STORAGE, BORDER),
         coupling: STREAMED,
     },
@@ -119,6 +125,7 @@ pub const MARCH: Variant = Variant {
         about: "as partial, with horizons by 145 samples along each azimuth",
         paper: "Snyder and Nowrouzezahrai 2008, §7, Fig. 10a",
         params: with!(KEY_AZIMUTHS, SWATH, KEY_LEVEL, BORDER),
+        backends: CPU,
         ..*COMPLETE.info
     },
     horizons: |params| Box::new(params::march(params)),
@@ -147,7 +154,7 @@ pub const HARD: Variant = Variant {
         about: "hard shadows of key lights' centres by marching, wedges over the complete swath for the rest",
         paper: "Max 1988; Snyder and Nowrouzezahrai 2008, eq. 1",
         params: with!(BORDER),
-        ..*COMPLETE.info
+        ..*MARCH.info
     },
     keys: Keys::Hard,
     ..MARCH
@@ -159,6 +166,7 @@ pub const AMBIENT: Variant = Variant {
         id: "horizon-wedges/ambient",
         about: "unshadowed irradiance times the open share of the cosine above the horizon",
         paper: "Dimitrov et al. 2008, as told by Snyder and Nowrouzezahrai 2008, §2",
+        backends: CPU,
         ..*COMPLETE.info
     },
     ambient: true,
@@ -185,6 +193,7 @@ pub const BLOCKERS: Variant = Variant {
             SELF_SHADOW,
             MIN_ANGLE
         ),
+        backends: CPU,
         ..*COMPLETE.info
     },
     casters: true,
@@ -211,6 +220,12 @@ impl Method for Variant {
     }
 
     fn prepare<'s>(&self, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Box<dyn Prepared + 's>> {
-        Ok(Box::new(Terrain::prepare(self, job, meter)?))
+        match job.backend {
+            Backend::Cpu => Ok(Box::new(Terrain::prepare(self, job, meter)?)),
+            #[cfg(feature = "gpu")]
+            Backend::Gpu(_) => Ok(Box::new(gpu::GpuTerrain::prepare(self, job, meter, Box::new(|text| text))?)),
+            #[cfg(not(feature = "gpu"))]
+            Backend::Gpu(_) => Err(halflight_contract::Error::Device("built without the feature gpu".into())),
+        }
     }
 }

@@ -99,18 +99,32 @@ fn chosen<T: Copy, const N: usize>(params: &Params, spec: &ParamSpec, values: [T
 
 /// The pyramid that parameters ask for.
 pub(crate) fn pyramid(params: &Params) -> Pyramid {
+    Pyramid::new(settings(params)).with_border(border(params))
+}
+
+/// What it is made with.
+pub(crate) fn settings(params: &Params) -> Settings {
     let reconstruction =
         Reconstruction { scale: chosen(params, &SCALE, SCALES), plane: chosen(params, &PLANE, PLANES) };
-    let settings = Settings {
+    Settings {
         levels_per_octave: params.int(LEVELS.name),
         offset: params.float(OFFSET.name) as f32,
         reconstruction,
         storage: chosen(params, &STORAGE, STORAGES),
-    };
-    Pyramid::new(settings).with_border(chosen(params, &BORDER, BORDERS))
+    }
+}
+
+/// Whether its levels stay decimated.
+pub(crate) fn decimated(params: &Params) -> bool {
+    chosen(params, &STORAGE, STORAGES) == Storage::Decimated
+}
+
+/// What lies beyond its border.
+pub(crate) fn border(params: &Params) -> Border {
+    chosen(params, &BORDER, BORDERS)
 }
 
 /// The march that they ask for.
 pub(crate) fn march(params: &Params) -> March {
-    March::default().with_border(chosen(params, &BORDER, BORDERS))
+    March::default().with_border(border(params))
 }

@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use glam::Vec3;
-use halflight_contract::{Job, Meter, Params, Result};
+use halflight_contract::{Job, Meter, Params, Result, counted, timed};
 use halflight_horizons::{Azimuth, Purpose};
 use halflight_light::{EachLightOf, SceneLight};
 use halflight_scenes::{Frame, KeyLight, Light, Revision, Rgb};
@@ -115,8 +115,24 @@ impl Planner {
         }
     }
 
+    /// The plan of a frame, the last one if it still fits, and whether it is new.
+    pub(crate) fn renew(
+        &mut self,
+        last: Option<Plan>,
+        frame: &Frame,
+        params: &Params,
+        meter: &mut dyn Meter,
+    ) -> (Plan, bool) {
+        if let Some(kept) = last.filter(|plan| plan.fits(frame)) {
+            return (kept, false);
+        }
+        let plan = timed(meter, "aim at lights", |_| self.plan(frame, params));
+        counted(meter, &[("wedges aimed", plan.wedges() as u64), ("wedge tables made", plan.tables)]);
+        (plan, true)
+    }
+
     /// The views of a frame's lights.
-    pub(crate) fn plan(&mut self, frame: &Frame, params: &Params) -> Plan {
+    fn plan(&mut self, frame: &Frame, params: &Params) -> Plan {
         let mut plan = Plan { lights: revisions(frame).collect(), ..Plan::default() };
         let mut around = [0; 3].map(|_| vec![0.0; coefficients(self.order)]);
         let each = self.each.clone();

@@ -35,19 +35,10 @@ pub(crate) struct Terrain<'s> {
 impl<'s> Terrain<'s> {
     /// Derives lights and tables.
     pub(crate) fn prepare(variant: &Variant, job: &Job<'s, '_>, meter: &mut dyn Meter) -> Result<Self> {
-        let fields = job.scene.objects.iter().enumerate();
-        let mut fields = fields.filter(|(_, object)| object.casts && matches!(*object.shape, Shape::Heights(_)));
-        let (Some((object, _)), None) = (fields.next(), fields.next()) else {
-            let method = variant.info.id;
-            return Err(Error::Unsupported {
-                method,
-                what: "a scene without exactly one height field that casts".into(),
-            });
-        };
         Ok(Terrain {
             variant: *variant,
             params: job.params.clone(),
-            object,
+            object: field_of(variant, job)?,
             planner: Planner::prepare(variant, job, meter)?,
             plan: None,
             horizons: (variant.horizons)(job.params),
@@ -61,27 +52,50 @@ impl<'s> Terrain<'s> {
 
     /// Horizons of a field under the plan's azimuths.
     fn find(&mut self, field: &HeightField, plan: &Plan) -> Made {
-        self.ground = Some(Ground { object: self.object as u32, origin: field.origin(), cell: field.cell() });
+        self.ground = Some(Ground::new(self.object, field));
         self.horizons.update(field, &plan.azimuths)
     }
 
     fn report(&self, receivers: &Receivers, tally: &Tally, meter: &mut dyn Meter) {
         let Some(plan) = &self.plan else { return };
-        let valid = receivers.valid.iter().filter(|valid| **valid).count() as u64;
-        let samples: f64 = (0..plan.azimuths.len()).map(|azimuth| self.horizons.work(azimuth).samples).sum();
+        let samples = (0..plan.azimuths.len()).map(|azimuth| self.horizons.work(azimuth).samples).sum();
         let products = plan.views.len() * if self.casters.is_some() { 2 } else { 1 };
-        let amounts = [
-            ("receivers", valid),
-            ("horizons", valid * plan.azimuths.len() as u64),
-            ("height samples", (valid as f64 * samples) as u64),
-            ("wedges", valid * plan.wedges() as u64),
-            ("products", valid * products as u64),
-            ("blockers accumulated", tally.accumulated),
-            ("blockers removed by self-shadow rules", tally.removed),
-            ("blockers below the smallest angle", tally.too_small),
-        ];
-        counted(meter, &amounts);
+        report(receivers, plan, samples, products, tally, meter);
     }
+}
+
+/// The object that is the scene's one field.
+pub(crate) fn field_of(variant: &Variant, job: &Job<'_, '_>) -> Result<usize> {
+    let fields = job.scene.objects.iter().enumerate();
+    let mut fields = fields.filter(|(_, object)| object.casts && matches!(*object.shape, Shape::Heights(_)));
+    let (Some((object, _)), None) = (fields.next(), fields.next()) else {
+        let what = "a scene without exactly one height field that casts".into();
+        return Err(Error::Unsupported { method: variant.info.id, what });
+    };
+    Ok(object)
+}
+
+/// Tells the work that receivers took, samples of heights and products for each.
+pub(crate) fn report(
+    receivers: &Receivers,
+    plan: &Plan,
+    samples: f64,
+    products: usize,
+    tally: &Tally,
+    meter: &mut dyn Meter,
+) {
+    let valid = receivers.valid.iter().filter(|valid| **valid).count() as u64;
+    let amounts = [
+        ("receivers", valid),
+        ("horizons", valid * plan.azimuths.len() as u64),
+        ("height samples", (valid as f64 * samples) as u64),
+        ("wedges", valid * plan.wedges() as u64),
+        ("products", valid * products as u64),
+        ("blockers accumulated", tally.accumulated),
+        ("blockers removed by self-shadow rules", tally.removed),
+        ("blockers below the smallest angle", tally.too_small),
+    ];
+    counted(meter, &amounts);
 }
 
 impl Prepared for Terrain<'_> {
@@ -106,15 +120,7 @@ impl Prepared for Terrain<'_> {
     }
 
     fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
-        let kept = self.plan.take().filter(|plan| plan.fits(frame));
-        let aimed = kept.is_none();
-        let plan = match kept {
-            Some(plan) => plan,
-            None => timed(meter, "aim at lights", |_| self.planner.plan(frame, &self.params)),
-        };
-        if aimed {
-            counted(meter, &[("wedges aimed", plan.wedges() as u64), ("wedge tables made", plan.tables)]);
-        }
+        let (plan, aimed) = self.planner.renew(self.plan.take(), frame, &self.params, meter);
         let posed = &frame.objects[self.object];
         if aimed || self.revision != Some(posed.revision) {
             if let Shape::Heights(field) = &*posed.in_place() {

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use halflight_blockers::Tally;
 use halflight_contract::{Params, Quantity};
 use halflight_horizons::{Horizons, Points};
-use halflight_scenes::{Receivers, Rgb};
+use halflight_scenes::{HeightField, Receivers, Rgb};
 use halflight_sh::{Batch, Block, LANES, apply_bands, clamped_cosine, coefficients, pack};
 
 use crate::casters::{self, Casters};
@@ -25,8 +25,13 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
+    /// Of an object that is a field.
+    pub(crate) fn new(object: usize, field: &HeightField) -> Ground {
+        Ground { object: object as u32, origin: field.origin(), cell: field.cell() }
+    }
+
     /// Grid coordinates of a receiver, of the point below it where it is on something else.
-    fn place(&self, receivers: &Receivers, receiver: usize) -> Vec2 {
+    pub(crate) fn place(&self, receivers: &Receivers, receiver: usize) -> Vec2 {
         let place = receivers.place[receiver];
         if place.object == Some(self.object) {
             return place.uv;

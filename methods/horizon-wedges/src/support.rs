@@ -1,13 +1,32 @@
 //! What the family answers.
 
-use halflight_contract::{Quantity, Request, Support};
+use halflight_contract::{Backend, Quantity, Request, Support};
 use halflight_scenes::SceneFacts;
 
-use crate::params::SWATH;
+use crate::params::{STORAGE, SWATH, decimated};
 use crate::{Keys, Variant};
 
-/// Direct light on the one height field of a scene. Visibility is that of the complete swath.
+/// What the family answers on its backends.
 pub(crate) fn supports(variant: &Variant, facts: &SceneFacts, request: &Request<'_>) -> Support {
+    match (cpu(variant, facts, request), request.backend) {
+        (Support::Skip(why), _) => Support::Skip(why),
+        (support, Backend::Gpu(_)) => gpu(variant, request).map_or(support, |why| Support::Skip(why.into())),
+        (support, Backend::Cpu) => support,
+    }
+}
+
+/// What there is that shaders do not do.
+fn gpu(variant: &Variant, request: &Request<'_>) -> Option<&'static str> {
+    let missing = [
+        (!cfg!(feature = "gpu"), "this program was built without the feature gpu"),
+        (!variant.info.runs_on(Backend::GPU), "the method has no GPU backend"),
+        (variant.declares(&STORAGE) && decimated(request.params), "levels that stay decimated are not kept on the GPU"),
+    ];
+    missing.into_iter().find(|(missing, _)| *missing).map(|(_, why)| why)
+}
+
+/// Direct light on the one height field of a scene. Visibility is that of the complete swath.
+fn cpu(variant: &Variant, facts: &SceneFacts, request: &Request<'_>) -> Support {
     if facts.height_fields != 1 {
         return Support::Skip(format!("needs one height field that casts shadows, found {}", facts.height_fields));
     }

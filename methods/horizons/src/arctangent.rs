@@ -3,7 +3,7 @@
 use halflight_sh_kernels::Lanes;
 
 /// Minimax odd polynomial of the arctangent on `[0, 1]`, off by 2.5e-7.
-const ODD: [f64; 7] = [
+pub(crate) const ODD: [f64; 7] = [
     0.9999961115523283,
     -0.333173680578157,
     0.19807815570647824,

@@ -5,6 +5,8 @@ use std::ops::Range;
 use halflight_scenes::HeightField;
 use rayon::prelude::*;
 
+use crate::grid::{Grid, Lattice};
+
 /// Entries beyond either end of a row, which repeat the row's end: a register that begins up to [`BEYOND`] samples before the
 /// row reads no farther.
 pub(crate) const PAD: usize = 20;
@@ -15,18 +17,7 @@ pub(crate) const BEYOND: isize = 19;
 /// In cells: what rounding takes off the border is on it.
 pub(crate) const NEAR: f64 = 1e-6;
 
-/// Where a level's samples lie along x and y.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Lattice {
-    /// Samples in the length of one of the field's, at most 1.
-    pub(crate) scale: [f64; 2],
-    /// By how many samples it begins before the field, where it does not fit.
-    pub(crate) shift: [f64; 2],
-    /// The field's last vertex, in its grid coordinates.
-    pub(crate) last: [f64; 2],
-}
-
-/// Heights at the centres of rectangles, a whole number of which covers the field: its own are rectangles about its vertices.
+/// Heights on a [`Grid`].
 #[derive(Clone, Debug)]
 pub(crate) struct Level {
     pub(crate) size: [usize; 2],
@@ -36,26 +27,10 @@ pub(crate) struct Level {
 }
 
 impl Level {
-    /// Heights 0 of `size`, as wide as a field of `full` vertices.
-    pub(crate) fn new(size: [usize; 2], full: [usize; 2]) -> Self {
-        Self::scaled(size, full, [0, 1].map(|axis| size[axis] as f64 / full[axis] as f64))
-    }
-
-    fn scaled(size: [usize; 2], full: [usize; 2], scale: [f64; 2]) -> Self {
-        let shift = [0, 1].map(|axis| 0.5 * (size[axis] as f64 - full[axis] as f64 * scale[axis]));
-        let last = full.map(|count| (count - 1) as f64);
-        Level { size, lattice: Lattice { scale, shift, last }, heights: vec![0.0; (size[0] + 2 * PAD) * size[1] + 16] }
-    }
-
-    /// Heights 0 for bringing a level back to at least twice its own resolution: by a power of two of the field's, at least an
-    /// eighth, so that registers of receivers lie alike among samples.
-    pub(crate) fn octave(of: &Level, full: [usize; 2]) -> Self {
-        let halved = |axis: usize| {
-            (0..3).take_while(|halvings| of.lattice.scale[axis] * 2.0 * f64::from(2 << halvings) <= 1.0).count()
-        };
-        let halvings = [0, 1].map(halved);
-        let size = [0, 1].map(|axis| full[axis].div_ceil(1 << halvings[axis]));
-        Self::scaled(size, full, halvings.map(|halvings| 1.0 / f64::from(1 << halvings)))
+    /// Heights 0 on a grid.
+    pub(crate) fn new(grid: &Grid) -> Self {
+        let Grid { size, lattice } = *grid;
+        Level { size, lattice, heights: vec![0.0; (size[0] + 2 * PAD) * size[1] + 16] }
     }
 
     pub(crate) fn stride(&self) -> usize {

@@ -15,6 +15,9 @@
 //! Azimuths are in radians from +x towards +y, elevations in radians in `[0, π/2]`, distances in metres.
 
 mod arctangent;
+#[cfg(feature = "gpu")]
+mod gpu;
+mod grid;
 mod hull;
 mod level;
 mod line;
@@ -22,6 +25,7 @@ mod march;
 mod pyramid;
 mod ray;
 mod runs;
+mod shape;
 mod spots;
 pub mod study;
 mod sweep;
@@ -30,6 +34,8 @@ use std::ops::Range;
 
 use halflight_scenes::HeightField;
 
+#[cfg(feature = "gpu")]
+pub use gpu::{Edit, GpuPyramid, place};
 pub use march::March;
 pub use pyramid::{Plane, Pyramid, Reconstruction, Scale, Settings, Storage};
 pub use ray::Border;

@@ -2,7 +2,8 @@
 
 use halflight_sh_kernels::Lanes;
 
-use crate::level::{BEYOND, Lattice, Level, PAD};
+use crate::grid::Lattice;
+use crate::level::{BEYOND, Level, PAD};
 
 /// Lanes from a place in a slice that holds 16 entries from there on.
 #[inline(always)]

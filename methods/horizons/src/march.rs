@@ -5,6 +5,7 @@ use std::ops::Range;
 use halflight_scenes::HeightField;
 use halflight_sh_kernels::Simd;
 
+use crate::grid::Grid;
 use crate::level::Level;
 use crate::pyramid::Scale;
 use crate::ray::{Border, Rays, Step, steps};
@@ -71,7 +72,7 @@ impl Horizons for March {
         if old.is_none() {
             (self.cell, self.top, self.azimuths) = (cell, 0.0, Vec::new());
         }
-        let mut level = old.unwrap_or_else(|| Level::new(size, size));
+        let mut level = old.unwrap_or_else(|| Level::new(&Grid::new(size, size)));
         let mut made = Made::default();
         if let Some(rows) = level.changed(field) {
             level.copy(field, &rows);

@@ -7,8 +7,9 @@ use halflight_sh_kernels::Simd;
 use rayon::prelude::*;
 
 use crate::level::Level;
-use crate::ray::{Border, Rays, Step, sample, steps};
+use crate::ray::{Border, Rays, Step, sample};
 use crate::runs::groups;
+use crate::shape::Shape;
 use crate::{Azimuth, Horizons, Made, Points, Purpose, Work};
 
 /// Between scales: how angles at the pyramid's distances become a function of distance.
@@ -18,6 +19,16 @@ pub enum Scale {
     Linear,
     /// The cubic B-spline (eq. 4), its maximum sought at knots and half knots.
     BSpline,
+}
+
+impl Scale {
+    /// What serves a purpose where this is chosen for key lights.
+    pub(crate) fn serving(self, purpose: Purpose) -> Scale {
+        match purpose {
+            Purpose::Key => self,
+            Purpose::Environment => Scale::Linear,
+        }
+    }
 }
 
 /// In the plane: how samples of a level become a function of position.
@@ -76,7 +87,7 @@ pub struct Pyramid {
     settings: Settings,
     border: Border,
     simd: Simd,
-    cell: [f32; 2],
+    shape: Option<Shape>,
     /// The decimated levels, the coarsest first. With [`Storage::Full`] their samples are brought back into `full`.
     levels: Vec<Level>,
     full: Vec<Level>,
@@ -103,7 +114,7 @@ impl Pyramid {
             settings,
             border: Border::Extend,
             simd,
-            cell: [0.0; 2],
+            shape: None,
             levels: Vec::new(),
             full: Vec::new(),
             azimuths: Vec::new(),
@@ -155,14 +166,13 @@ impl Pyramid {
         out: &mut [f32],
         scale: impl Fn(Azimuth) -> Scale,
     ) {
-        let Some(finest) = self.levels.last() else {
+        let (Some(shape), Some(finest)) = (&self.shape, self.levels.last()) else {
             panic!("a field before receivers");
         };
         let mut rays = Rays::<T>::new(levels, self.border, self.simd);
-        let coarsest = self.looked_at(0);
         for group in groups(at, finest.size) {
             let (first, count) = (group.first, group.count);
-            rays.stand(group, coarsest);
+            rays.stand(group, shape.coarsest());
             for (index, (azimuth, steps)) in self.azimuths[azimuths.clone()].iter().enumerate() {
                 let elevations = rays.look(steps, scale(*azimuth));
                 out[index * at.len() + first..][..count].copy_from_slice(elevations);
@@ -170,46 +180,13 @@ impl Pyramid {
         }
     }
 
-    /// The level that is looked at for a distance: `min(⌈i + k·o⌉, N − 1)`.
-    fn looked_at(&self, distance: usize) -> usize {
-        let offset = (self.settings.levels_per_octave as f32 * self.settings.offset - 1e-4).ceil().max(0.0);
-        (distance + offset.min(self.levels.len() as f32) as usize).min(self.levels.len() - 1)
-    }
-
-    /// Whether the levels are those of a field's grid.
-    fn fits(&self, field: &HeightField) -> bool {
-        let finest = self.levels.last().map(|level| level.size);
-        finest == Some([field.columns(), field.rows()]) && self.cell == field.cell().to_array()
-    }
-
     /// Levels for a field's grid.
-    fn shape(&mut self, field: &HeightField) {
-        self.cell = field.cell().to_array();
-        let size = [field.columns(), field.rows()];
-        let spans = [0, 1].map(|axis| size[axis] as f64 * f64::from(self.cell[axis]));
-        let spacing = Spacing::new(spans, self.cell, self.settings.levels_per_octave);
-        let samples = |level: usize, axis: usize| match level + 1 == spacing.levels {
-            true => size[axis],
-            false => ((spans[axis] / spacing.at(level)).round() as usize).clamp(1, size[axis]),
-        };
-        self.levels =
-            (0..spacing.levels).map(|level| Level::new([samples(level, 0), samples(level, 1)], size)).collect();
-        self.full = match self.settings.storage {
-            Storage::Decimated => Vec::new(),
-            Storage::Octaves => self.levels.iter().map(|level| Level::octave(level, size)).collect(),
-            Storage::Full => self.levels.iter().map(|_| Level::new(size, size)).collect(),
-        };
+    fn lay_out(&mut self, size: [usize; 2], cell: [f32; 2]) -> Shape {
+        let shape = Shape::new(&self.settings, size, cell);
+        self.levels = shape.levels.iter().map(Level::new).collect();
+        self.full = shape.back.iter().map(Level::new).collect();
         self.azimuths.clear();
-    }
-
-    /// Steps of all azimuths.
-    fn aim(&mut self, azimuths: &[Azimuth]) {
-        let finest = &self.levels[self.levels.len() - 1];
-        let spans = [0, 1].map(|axis| finest.size[axis] as f64 * f64::from(self.cell[axis]));
-        let spacing = Spacing::new(spans, self.cell, self.settings.levels_per_octave);
-        let distances = |_: &Azimuth| (0..spacing.levels).map(|i| (self.looked_at(i), spacing.at(i)));
-        let aimed = azimuths.iter().map(|azimuth| (*azimuth, steps(azimuth.angle, self.cell, distances(azimuth))));
-        self.azimuths = aimed.collect();
+        shape
     }
 
     /// Takes the rows of heights that differ, and makes again what depends on them: rows of so many levels.
@@ -245,54 +222,25 @@ fn bring_back(level: &Level, rows: &Range<usize>, plane: Plane, simd: Simd, back
     }
 }
 
-/// Distances of the levels in metres: `b^-i` of the field's longer side down to its shorter cell.
-struct Spacing {
-    longest: f64,
-    base: f64,
-    levels: usize,
-}
-
-/// Octaves between the longest and the shortest distance at most, for cells of extreme shape.
-const OCTAVES: f64 = 24.0;
-
-impl Spacing {
-    fn new(spans: [f64; 2], cell: [f32; 2], levels_per_octave: usize) -> Self {
-        let longest = spans[0].max(spans[1]);
-        let octaves = (longest / f64::from(cell[0].min(cell[1]))).log2().min(OCTAVES);
-        let per_octave = levels_per_octave as f64;
-        // A field of 2^i vertices has whole octaves, whatever the logarithm's last digit says.
-        let levels = (per_octave * octaves - 1e-6).ceil() as usize + 1;
-        Spacing { longest, base: (1.0 / per_octave).exp2(), levels }
-    }
-
-    fn at(&self, level: usize) -> f64 {
-        self.longest * self.base.powi(-(level as i32))
-    }
-}
-
 impl Horizons for Pyramid {
     fn update(&mut self, field: &HeightField, azimuths: &[Azimuth]) -> Made {
-        let changed = match self.fits(field) {
-            true => self.levels[self.levels.len() - 1].changed(field),
-            false => {
-                self.shape(field);
-                Some(0..field.rows())
-            }
+        let (size, cell) = ([field.columns(), field.rows()], field.cell().to_array());
+        let (shape, changed) = match self.shape.take().filter(|shape| shape.fits(size, cell)) {
+            Some(shape) => (shape, self.levels[self.levels.len() - 1].changed(field)),
+            None => (self.lay_out(size, cell), Some(0..field.rows())),
         };
         let mut made = Made { levels: changed.map_or(0, |rows| self.take(field, rows)), azimuths: 0 };
         if !self.azimuths.iter().map(|(azimuth, _)| azimuth).eq(azimuths) {
-            self.aim(azimuths);
+            self.azimuths = azimuths.iter().map(|azimuth| (*azimuth, shape.steps(azimuth.angle))).collect();
             made.azimuths = azimuths.len();
         }
+        self.shape = Some(shape);
         made
     }
 
     fn elevations(&self, at: Points<'_>, azimuths: Range<usize>, out: &mut [f32]) {
         let chosen = self.settings.reconstruction.scale;
-        self.look(at, azimuths, out, |azimuth| match azimuth.purpose {
-            Purpose::Key => chosen,
-            Purpose::Environment => Scale::Linear,
-        });
+        self.look(at, azimuths, out, |azimuth| chosen.serving(azimuth.purpose));
     }
 
     fn work(&self, azimuth: usize) -> Work {

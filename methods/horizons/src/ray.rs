@@ -5,7 +5,8 @@ use std::ops::Range;
 use halflight_sh_kernels::{Lanes, Simd, Task, run};
 
 use crate::arctangent::arctangent;
-use crate::level::{Lattice, Level, PAD, pad};
+use crate::grid::Lattice;
+use crate::level::{Level, PAD, pad};
 use crate::line::{Heights, Line, Sink, Slopes, Steepest, load, store};
 use crate::pyramid::Scale;
 use crate::runs::{Group, Place, ROOM, RUN};

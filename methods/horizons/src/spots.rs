@@ -2,7 +2,8 @@
 
 use halflight_sh_kernels::Lanes;
 
-use crate::level::{Lattice, Level, NEAR, PAD};
+use crate::grid::Lattice;
+use crate::level::{Level, NEAR, PAD};
 use crate::line::{Sink, load, shares};
 
 /// Gives away a level's heights by `T · T` samples at `count` points in grid coordinates of the field, `offset` from those of `at`. Beyond

@@ -10,6 +10,8 @@
 //! results.
 
 mod ordered;
+#[cfg(all(test, feature = "gpu"))]
+mod planted;
 mod tree;
 
 use halflight_blockers::{Accumulator, backends, prepare, supports};

@@ -125,36 +125,3 @@ mod tests {
         }
     }
 }
-
-/// A wrong constant in any of the texts that make the shader is seen.
-#[cfg(all(test, feature = "gpu"))]
-mod planted {
-    use halflight_blockers::{GpuDirectLight, source};
-    use halflight_contract::{NoMeter, Quantity};
-    use halflight_tests::checks::{Case, planted};
-    use halflight_tests::fixtures;
-
-    use super::*;
-    use crate::Ordered;
-
-    #[test]
-    fn a_wrong_constant_is_seen() {
-        let params = Params::resolve(OrderedProduct::PARAMS, [("order", "2")]).expect("in range");
-        let scene = fixtures::overlapping_spheres();
-        let case = Case::new(&Ordered, &scene, Quantity::Direct).tuned(params);
-        let faults = [
-            ("t4 = 0.2820948f", "t4 = 0.283f"),           // generated
-            ("PI: f32 = 3.1415927f", "PI: f32 = 3.145f"), // common.wgsl
-            ("0.5f * (height", "0.52f * (height"),        // direct.wgsl
-            ("before == 0u", "before == 1u"),             // ordered.wgsl
-        ];
-        let (right, wrong) = planted(&case, &faults, |job, (text, fault)| {
-            let whole = source::<OrderedProduct>(2);
-            assert!(whole.contains(text), "{text} is not in the shader");
-            let text = Box::new(move |_| whole.replacen(text, fault, 1));
-            Ok(Box::new(GpuDirectLight::<OrderedProduct>::with_source(job, &mut NoMeter, text)?))
-        });
-        assert!(right < 1e-5, "{right:e} without a fault");
-        assert!(wrong.iter().all(|distance| *distance > 1e-4), "{faults:?} change {wrong:?}");
-    }
-}

@@ -4,7 +4,11 @@ var<private> so_far: Vector;
 
 fn begin() {}
 
-fn block(circle: Circle, before: u32) {
+fn set_kept(product: Vector) {
+    so_far = product;
+}
+
+fn block(circle: Circle, before: u32, place: u32) {
     let visibility = rotate_zonal(circle_visibility(circle.sine), circle.direction);
     if before == 0u {
         so_far = visibility;
@@ -14,6 +18,6 @@ fn block(circle: Circle, before: u32) {
 }
 
 fn finish(circles: u32) -> Vector {
-    work.products += circles - 1u;
+    work.products += circles - max(work.kept, 1u);
     return so_far;
 }

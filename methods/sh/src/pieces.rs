@@ -5,10 +5,10 @@ use std::any::Any;
 use halflight_sh_kernels::{Lanes, Real};
 
 /// The most pieces: what [`Lanes::select_from`] selects from.
-const PIECES: usize = 16;
+pub(crate) const PIECES: usize = 16;
 
 /// The degree of a piece.
-const DEGREE: usize = 7;
+pub(crate) const DEGREE: usize = 7;
 
 /// `width` functions of one variable, a polynomial of degree 7 in each of 16 pieces.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use halflight_sh_kernels::{Lanes, Real};
 use crate::pieces::interpolate;
 
 /// Coefficients of a polynomial.
-const TERMS: usize = 7;
+pub(crate) const TERMS: usize = 7;
 
 /// The largest error of a fit, relative to the largest of the functions at the same place: a rounding of `f32`.
 const ERROR: f64 = 6e-8;

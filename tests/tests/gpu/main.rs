@@ -1,7 +1,10 @@
 //! Methods on the GPU against the same methods on the CPU. These tests fail where there is no adapter, one in software at least.
 #![cfg(feature = "gpu")]
 
+mod ambient;
 mod blockers;
+mod lesser;
+mod wedges;
 
 use halflight_contract::{Backend, Method, Params};
 use halflight_tests::checks::{self, Case};
@@ -35,7 +38,7 @@ fn the_contract_holds_on_the_gpu() {
             .map(|case| Case { fixed: &["order", "extra-bands"], ..case.tuned(with_order(method, 2)) })
             .filter(Case::is_supported)
             .collect();
-        assert!(cases.len() > 4, "{} runs {} cases", method.info().id, cases.len());
+        assert!(!cases.is_empty(), "{} runs no case", method.info().id);
         for (case, (_, check)) in cases.iter().flat_map(|case| checks::CHECKS.iter().map(move |check| (case, check))) {
             check(case).unwrap_or_else(|violation| panic!("{violation}"));
         }

@@ -20,7 +20,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("methods/contract", &["scenes"]),
     ("methods/gpu", &["methods/contract", "scenes"]),
     ("methods/light", &["methods/contract", "methods/sh", "scenes"]),
-    ("methods/horizons", &["methods/sh/kernels", "scenes"]),
+    ("methods/horizons", &["methods/contract", "methods/gpu", "methods/sh/kernels", "scenes"]),
     ("methods/proxies", &["harness/revision", "methods/contract", "references/trace", "scenes"]),
     (
         "methods/blockers",

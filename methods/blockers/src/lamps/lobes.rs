@@ -7,10 +7,10 @@ use std::f64::consts::PI;
 use halflight_sh::{apply_bands, circle_visibility, clamped_cosine, coefficients, evaluate, gamma, rotate_zonal};
 
 /// Entries over the circle's angular radius, 0 to π/2.
-const ANGLES: usize = 33;
+pub(crate) const ANGLES: usize = 33;
 
 /// Entries over the angle between the circle's middle and the normal, 0 to π.
-const TILTS: usize = 65;
+pub(crate) const TILTS: usize = 65;
 
 /// The least sine that is tabulated: what is divided by its square has met its limit there.
 const LEAST: f64 = 1e-3;
@@ -47,6 +47,12 @@ impl Lobes {
         let at = |k: usize| corners.iter().zip(weights).map(|(corner, weight)| corner[k] * weight).sum::<f32>();
         zonal.iter_mut().enumerate().for_each(|(band, value)| *value = sine * sine * at(band + 1));
         at(0)
+    }
+
+    /// The table: by radius, then tilt, the angle of the axis and the zonal coefficients.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn entries(&self) -> &[f32] {
+        &self.entries
     }
 
     pub(crate) fn bytes(&self) -> usize {

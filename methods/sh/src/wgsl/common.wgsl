@@ -2,11 +2,8 @@
 const SQRT_4_PI: f32 = 3.5449077f;
 const PI: f32 = 3.1415927f;
 
-// How tables lie: `TERMS` powers a band for small circles, then two sets of pieces: starts, ends, middles and scales of 16
-// pieces, then for each function and power the coefficients of all pieces.
-const TERMS: u32 = 7u;
-const PIECES: u32 = 16u;
-const DEGREE: u32 = 7u;
+// How tables lie: `TERMS` powers a band for small circles, then two sets of pieces: starts, ends, middles and scales of
+// `PIECES` pieces, then for each function and power the coefficients of all pieces.
 const LARGE: u32 = TERMS * ORDER;
 const LINEAR: u32 = LARGE + PIECES * (4u + (DEGREE + 1u) * ORDER);
 
@@ -21,15 +18,6 @@ fn scaled(factor: f32, v: Vector) -> Vector {
     var out = v;
     for (var i = 0u; i < SIZE; i++) {
         out[i] *= factor;
-    }
-    return out;
-}
-
-/// `a + factor·b`.
-fn added(a: Vector, factor: f32, b: Vector) -> Vector {
-    var out = a;
-    for (var i = 0u; i < SIZE; i++) {
-        out[i] = fma(factor, b[i], out[i]);
     }
     return out;
 }
@@ -76,18 +64,27 @@ fn circle_height(sine: f32) -> f32 {
     return s * s / (1f + cosine);
 }
 
-fn circle_visibility(sine: f32) -> Zonal {
-    let cosine = 1f - circle_height(sine);
+/// `∫ y_l0` over a circle about z.
+fn circle_light(sine: f32) -> Zonal {
+    let height = circle_height(sine);
+    let cosine = 1f - height;
+    let square = height * (1f + cosine);
     var zonal = Zonal();
-    zonal[0] = sqrt(PI) * (1f + cosine);
+    zonal[0] = sqrt(PI) * height;
     var below = 1f;
     var p = cosine;
+    var slope_below = 0f;
+    var slope = 1f;
     for (var l = 1u; l < ORDER; l++) {
         let width = f32(2u * l + 1u);
-        let above = fma(-below, f32(l) / f32(l + 1u), width / f32(l + 1u) * cosine * p);
-        zonal[l] = sqrt(PI / width) * (above - below);
+        let next = f32(l + 1u);
+        zonal[l] = sqrt(PI * width) / (f32(l) * next) * square * slope;
+        let slope_above = fma(width, p, slope_below);
+        let above = fma(-below, f32(l) / next, width / next * cosine * p);
         below = p;
         p = above;
+        slope_below = slope;
+        slope = slope_above;
     }
     return zonal;
 }
@@ -98,48 +95,20 @@ struct Place {
     position: f32,
 }
 
+/// So many pieces on, if the one there begins at or below `x`.
+fn later(base: u32, x: f32, piece: u32, pieces: u32) -> u32 {
+    return select(piece, piece + pieces, x >= tables[base + piece + pieces]);
+}
+
 /// The last piece that begins at or below `x`, which is clamped to the table at `base`.
 fn find_piece(base: u32, x: f32) -> Place {
     let clamped = clamp(x, tables[base], tables[base + 2u * PIECES - 1u]);
-    var piece = 0u;
-    for (var step = PIECES / 2u; step > 0u; step /= 2u) {
-        if clamped >= tables[base + piece + step] {
-            piece += step;
-        }
-    }
+    var piece = later(base, clamped, 0u, PIECES / 2u);
+    piece = later(base, clamped, piece, PIECES / 4u);
+    piece = later(base, clamped, piece, PIECES / 8u);
+    piece = later(base, clamped, piece, PIECES / 16u);
     let middle = tables[base + 2u * PIECES + piece];
     return Place(piece, (clamped - middle) * tables[base + 3u * PIECES + piece]);
-}
-
-fn piece_value(base: u32, function_number: u32, place: Place) -> f32 {
-    let first = base + PIECES * (4u + (DEGREE + 1u) * function_number) + place.piece;
-    var value = tables[first + PIECES * DEGREE];
-    for (var k = DEGREE; k > 0u; k--) {
-        value = fma(value, place.position, tables[first + PIECES * (k - 1u)]);
-    }
-    return value;
-}
-
-fn circle_log(sine: f32) -> Zonal {
-    let s = clamp(sine, 0f, 1f);
-    let square = s * s;
-    var zonal = Zonal();
-    if square <= SMALL_END {
-        for (var l = 0u; l < ORDER; l++) {
-            let first = TERMS * l;
-            var value = tables[first + TERMS - 1u];
-            for (var k = TERMS - 1u; k > 0u; k--) {
-                value = fma(value, square, tables[first + k - 1u]);
-            }
-            zonal[l] = value * square;
-        }
-    } else {
-        let place = find_piece(LARGE, circle_height(s));
-        for (var l = 0u; l < ORDER; l++) {
-            zonal[l] = piece_value(LARGE, l, place);
-        }
-    }
-    return zonal;
 }
 
 /// The factors of `a·1 + b·f̂` for a norm of `f̂`.

@@ -9,12 +9,16 @@ fn begin() {
     log_sum = Vector();
 }
 
-fn block(circle: Circle, before: u32) {
-    log_sum = added(log_sum, 1f, rotate_zonal(circle_log(circle.sine), circle.direction));
+fn set_kept(sum: Vector) {
+    log_sum = sum;
+}
+
+fn block(circle: Circle, before: u32, place: u32) {
+    log_sum = added(log_sum, 1f, rotate_zonal(matched(circle_log(circle.sine), place), circle.direction));
 }
 
 fn finish(circles: u32) -> Vector {
-    work.additions += circles;
+    work.additions += circles - work.kept;
     return exponential(log_sum);
 }
 

@@ -52,21 +52,26 @@ impl Simd {
     fn widest() -> Self {
         let asked = std::env::var("HALFLIGHT_SIMD").ok().and_then(|name| Self::named(&name)).unwrap_or(Self::Avx512);
         let mut sets = Self::ALL.into_iter().rev().filter(|simd| *simd <= asked);
-        sets.find(|simd| simd.is_available()).unwrap_or(Self::Portable)
+        sets.find(|simd| simd.is_detected()).unwrap_or(Self::Portable)
     }
 
     fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|simd| format!("{simd:?}").eq_ignore_ascii_case(name))
     }
 
-    /// Whether this machine has it.
+    /// Whether it may be run: this machine has it, and `HALFLIGHT_SIMD` does not leave it out.
+    #[inline]
     pub fn is_available(self) -> bool {
+        self <= Self::best()
+    }
+
+    fn is_detected(self) -> bool {
         match self {
             Self::Portable => true,
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => is_x86_feature_detected!("avx512f") && Self::Avx2.is_available(),
+            Self::Avx512 => is_x86_feature_detected!("avx512f") && Self::Avx2.is_detected(),
             #[cfg(not(target_arch = "x86_64"))]
             _ => false,
         }
@@ -169,10 +174,10 @@ pub trait Task<T: Real> {
 /// Runs a task on an instruction set.
 ///
 /// # Panics
-/// If the machine does not have it.
+/// If it is not available.
 #[inline]
 pub fn run<T: Real>(simd: Simd, task: impl Task<T>) {
-    assert!(simd <= Simd::best(), "{simd:?} instructions are not available on this machine");
+    assert!(simd.is_available(), "{simd:?} instructions are not available on this machine");
     match simd {
         Simd::Portable => run_portable(task),
         #[cfg(target_arch = "x86_64")]

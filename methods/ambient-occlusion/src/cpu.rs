@@ -1,39 +1,22 @@
-//! The phases: topology once, elements and their own accessibility a frame, then receivers.
+//! Ambient occlusion on the cores: 16 points side by side.
 
-use std::sync::Arc;
-
-use halflight_contract::{
-    Error, Flow, Footprint, Job, Meter, Output, Params, Prepared, Quantity, Result, counted, timed,
-};
-use halflight_light::{LightOf, SceneLight, ShLight};
-use halflight_scenes::{Frame, Pose, Receivers, Revision, Rgb};
+use halflight_contract::{Error, Flow, Footprint, Job, Meter, Output, Params, Prepared, Quantity, Result, timed};
+use halflight_light::ShLight;
+use halflight_scenes::{Frame, Receivers, Rgb};
 use halflight_sh::{Batch, Block, LANES, clamped_cosine, coefficients};
 use rayon::prelude::*;
 
-use crate::forest::{Forest, Tree, accessibility};
+use crate::INFO;
+use crate::forest::accessibility;
 use crate::lanes::Points;
-use crate::sites::sites;
-use crate::{ELEMENTS, INFO, OPENING, ORDER, PASSES};
+use crate::stage::Stage;
 
 /// Receivers that one task handles.
 const CHUNK: usize = 16 * LANES;
 
-/// An object that casts.
-struct Caster {
-    object: usize,
-    tree: Tree,
-    /// What its elements are fitted to.
-    revision: Option<Revision>,
-}
-
 /// Ambient occlusion made ready for a scene.
 pub(crate) struct Occlusion {
-    params: Params,
-    light: Arc<SceneLight>,
-    /// The light now.
-    lit: ShLight,
-    casters: Vec<Caster>,
-    forest: Forest,
+    stage: Stage,
     /// Whether elements cast as they are now and as parameters ask.
     cast: bool,
     result: Vec<f32>,
@@ -42,38 +25,17 @@ pub(crate) struct Occlusion {
 impl Occlusion {
     /// Derives the light and orders the elements of all that casts.
     pub(crate) fn prepare(job: &Job<'_, '_>, meter: &mut dyn Meter) -> Result<Self> {
-        let light = job.derive(&LightOf { order: job.params.int(ORDER.name) }, meter)?;
-        let most = job.params.int(ELEMENTS.name);
-        let mut forest = Forest::default();
-        let mut plant = |(object, shape)| {
-            let tree = forest.plant(&sites(shape, Pose::IDENTITY, most), most);
-            Caster { object, tree, revision: None }
-        };
-        let casting = job.scene.objects.iter().enumerate().filter(|(_, object)| object.casts);
-        let casters = casting.map(|(i, object)| plant((i, &*object.shape))).collect();
-        Ok(Occlusion {
-            params: job.params.clone(),
-            lit: light.still.clone(),
-            light,
-            casters,
-            forest,
-            cast: false,
-            result: Vec::new(),
-        })
-    }
-
-    fn opening(&self) -> f32 {
-        self.params.float(OPENING.name) as f32
+        Ok(Occlusion { stage: Stage::derive(job, meter)?, cast: false, result: Vec::new() })
     }
 
     /// Shades the receivers from `first` on, and counts the nodes that were summed.
     fn chunk(&self, receivers: &Receivers, first: usize, out: &mut [f32]) -> u64 {
-        let mut irradiance = Irradiance::new(&self.lit);
+        let mut irradiance = Irradiance::new(&self.stage.lit);
         let valid: Vec<usize> = (first..first + out.len() / 3).filter(|&i| receivers.valid[i]).collect();
         let mut summed = 0;
         for group in valid.chunks(LANES) {
             let points = Points::new(group.iter().map(|&i| (receivers.position[i], receivers.normal[i])));
-            let (shadow, terms) = self.forest.shadow(&points, self.opening());
+            let (shadow, terms) = self.stage.forest.shadow(&points, self.stage.opening());
             let light = irradiance.at(&points);
             for (lane, &i) in group.iter().enumerate() {
                 let light = Rgb::from_array([0, 1, 2].map(|channel| light[channel].0[lane]));
@@ -109,37 +71,21 @@ impl<'a> Irradiance<'a> {
 
 impl Prepared for Occlusion {
     fn footprint(&self) -> Footprint {
-        Footprint::default()
-            .host("elements", self.forest.bytes())
-            .host("light (shared)", self.light.bytes())
-            .host("result", size_of_val(self.result.as_slice()))
+        self.stage.footprint().host("result", size_of_val(self.result.as_slice()))
     }
 
     fn retune(&mut self, params: &Params) -> Result<()> {
-        params.retune(&mut self.params, INFO.params)?;
+        self.stage.retune(params)?;
         self.cast = false;
         Ok(())
     }
 
     fn update(&mut self, frame: &Frame, meter: &mut dyn Meter) -> Result<()> {
-        let most = self.params.int(ELEMENTS.name);
-        meter.begin("fit elements");
-        for caster in &mut self.casters {
-            let posed = &frame.objects[caster.object];
-            if caster.revision != Some(posed.revision) {
-                self.forest.fit(caster.tree.clone(), &sites(&posed.shape, posed.pose, most));
-                caster.revision = Some(posed.revision);
-                self.cast = false;
-            }
-        }
-        meter.end();
-        if !self.cast {
-            let (passes, opening) = (self.params.int(PASSES.name) - 1, self.opening());
-            timed(meter, "passes among elements", |_| self.forest.cast(passes, opening));
+        let moved = self.stage.update(frame, meter);
+        if !moved.is_empty() || !self.cast {
+            let (passes, opening) = (self.stage.own_passes(), self.stage.opening());
+            timed(meter, "passes among elements", |_| self.stage.forest.cast(passes, opening));
             self.cast = true;
-        }
-        if !self.light.turning.is_empty() {
-            self.lit = timed(meter, "turn light", |_| self.light.at(frame.time).into_owned());
         }
         Ok(())
     }
@@ -160,9 +106,7 @@ impl Prepared for Occlusion {
             chunks.map(|(chunk, out)| self.chunk(receivers, chunk * CHUNK, out)).sum()
         });
         self.result = result;
-        let valid = receivers.valid.iter().filter(|valid| **valid).count() as u64;
-        let elements = self.forest.elements() as u64;
-        counted(meter, &[("receivers", valid), ("elements", elements), ("shadows summed", summed)]);
+        self.stage.report(receivers, summed, meter);
         Ok(())
     }
 

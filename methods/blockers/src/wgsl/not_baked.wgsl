@@ -1,0 +1,3 @@
+// No blocker is known before.
+
+fn resume(index: u32) {}
