@@ -60,7 +60,13 @@ fn cells_before_and_after_stay_and_the_one_at_hand_names_the_adapter() {
         ..Default::default()
     };
     let terms = Terms { seed: 1, timed_on: "a test".into() };
-    let processor = Processor { backend: DEVICE, name: format!("gpu: {}", gpu.adapter()), timed_on: None };
+    let processor = Processor {
+        backend: DEVICE,
+        name: format!("gpu: {}", gpu.adapter()),
+        timed_on: None,
+        device: gpu.adapter().name.clone(),
+        about: String::new(),
+    };
     let plan = Plan::new(&selection.entries().unwrap(), &terms).unwrap();
     let mut plan = plan.on_backends(Where::Gpu, &Ok(processor));
     plan.groups[1].method = Box::leak(Box::new(Unlucky(plan.groups[1].method)));

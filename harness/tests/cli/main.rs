@@ -15,6 +15,8 @@ mod gpu_lost;
 mod import;
 mod killed;
 mod ledger;
+mod lost;
+mod measured;
 mod refs;
 mod rescore;
 mod run;
