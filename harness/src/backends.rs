@@ -26,6 +26,10 @@ pub struct Processor {
     pub name: String,
     /// What times depend on besides the machine; none where they mean nothing, since the processor's cores do the work.
     pub timed_on: Option<String>,
+    /// The device's name.
+    pub device: String,
+    /// Kind, driver, clock and limits, in words.
+    pub about: String,
 }
 
 /// The processor that is asked for by number or part of its name, the first if nothing is said; or why there is none.
@@ -43,7 +47,13 @@ pub fn processor(wanted: Option<&str>) -> Result<Result<Processor, String>, Erro
     };
     let adapter = halflight_gpu::adapters().nth(number.into()).expect("just found");
     let timed_on = (!adapter.is_software()).then(|| format!("{} | {}", adapter.name, adapter.driver));
-    Ok(Ok(Processor { backend: Backend::Gpu(number), name: format!("gpu: {adapter}"), timed_on }))
+    Ok(Ok(Processor {
+        backend: Backend::Gpu(number),
+        name: format!("gpu: {adapter}"),
+        timed_on,
+        device: adapter.name.clone(),
+        about: about(adapter),
+    }))
 }
 
 /// The processor that is asked for, which this build has no way to find.
@@ -58,21 +68,24 @@ pub fn processor(_: Option<&str>) -> Result<Result<Processor, String>, Error> {
 /// What there is to be said of each adapter, for `halflight doctor`.
 #[cfg(feature = "gpu")]
 pub(crate) fn adapters() -> Vec<String> {
-    let line = |(number, adapter): (usize, &halflight_gpu::Adapter)| {
-        let halflight_gpu::Adapter { driver, kind, timestamps, max_binding, max_buffer, max_groups, subgroup, .. } =
-            adapter;
-        let clock = if *timestamps { "a clock of its own" } else { "no clock" };
-        format!(
-            "{number}: {adapter} ({kind}, {driver}); {clock}, bindings of {} MiB, buffers of {} MiB, {max_groups} groups a dimension, \
-             {} to {} threads in step",
-            max_binding >> 20,
-            max_buffer >> 20,
-            subgroup[0],
-            subgroup[1]
-        )
-    };
+    let line = |(number, adapter)| format!("{number}: {}", about(adapter));
     let lines: Vec<String> = halflight_gpu::adapters().enumerate().map(line).collect();
     if lines.is_empty() { vec![halflight_gpu::GpuError::NoAdapter.to_string()] } else { lines }
+}
+
+#[cfg(feature = "gpu")]
+fn about(adapter: &halflight_gpu::Adapter) -> String {
+    let halflight_gpu::Adapter { driver, kind, timestamps, max_binding, max_buffer, max_groups, subgroup, .. } =
+        adapter;
+    let clock = if *timestamps { "a clock of its own" } else { "no clock" };
+    format!(
+        "{adapter} ({kind}, {driver}); {clock}, bindings of {} MiB, buffers of {} MiB, {max_groups} groups a dimension, {} to {} \
+         threads in step",
+        max_binding >> 20,
+        max_buffer >> 20,
+        subgroup[0],
+        subgroup[1]
+    )
 }
 
 /// The same without a way to find them.

@@ -8,6 +8,7 @@
 //! An error or a panic of the method ends the frame at hand, not the program; the next frame is prepared anew.
 
 use crate::recorder::{Recorded, Recorder, Steps};
+use crate::sway::Motion;
 use halflight_contract::{Backend, Cache, Job, Meter, Method, Output, Params, Prepared, Quantity};
 use halflight_results::{Key, Phase, Storage};
 use halflight_scenes::{Frame, Rgb, Scene};
@@ -182,6 +183,24 @@ pub(crate) fn update(
 ) -> Result<(), String> {
     let update = |meter: &mut dyn Meter| ready.method.update(frame, meter);
     recorder.phase(recorded, Phase::Update, Phase::Update.name(), update).map_err(text)
+}
+
+/// What updates of a method are called that has shaded before: what each frame of a moving scene takes. The first one makes receivers
+/// and memory ready too.
+pub(crate) const AGAIN: &str = "update again";
+
+/// Updates from one frame to another; the latter is timed.
+pub(crate) fn update_again(
+    ready: &mut Ready<'_>,
+    Motion { from, to }: Motion<'_>,
+    recorded: &mut Recorded,
+) -> Result<(), String> {
+    let mut silent = |_: &str, _: u64, _: u64| ();
+    let mut recorder = Recorder::new(&mut silent);
+    if let Some(from) = from {
+        ready.method.update(from, &mut recorder).map_err(text)?;
+    }
+    recorder.phase(recorded, Phase::Update, AGAIN, |meter| ready.method.update(to, meter)).map_err(text)
 }
 
 /// One evaluation and reading its result, timed.

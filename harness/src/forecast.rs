@@ -1,5 +1,6 @@
 //! How long cells and references may take, from the runs that are in a store.
 
+use crate::execute::AGAIN;
 use crate::plan::Group;
 use halflight_results::{Cell, Environment, Phase, Record, Store, Times};
 use std::collections::{HashMap, HashSet};
@@ -164,10 +165,13 @@ fn reference_kin(scene_hash: &str, reference: &str, quantity: &str) -> [Vec<Stri
 }
 
 /// A cell's time with so many repeats but for the `prepare` of its picture, which it may share: `prepare` is run once to be
-/// timed, `update` for the picture and to be timed, the rest again to warm up and for each repeat.
+/// timed, `update` for the picture, to be timed, and twice for each repeat, the rest again to warm up and for each repeat.
 fn seconds(times: &Times, repeats: usize) -> f64 {
     let shade = median(times, Phase::Shade.name()) + median(times, "read");
-    median(times, Phase::Prepare.name()) + 2.0 * median(times, Phase::Update.name()) + (repeats as f64 + 2.0) * shade
+    let first = median(times, Phase::Prepare.name()) + 2.0 * median(times, Phase::Update.name());
+    // From another frame and back.
+    let again = 2.0 * repeats as f64 * median(times, AGAIN);
+    first + again + (repeats as f64 + 2.0) * shade
 }
 
 /// The median time of a span, seconds; 0 if there is none.

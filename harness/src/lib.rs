@@ -14,6 +14,8 @@
 //! | table | `table.rs` | a store → rows of a CSV or Parquet file |
 //! | run | `run.rs` | all of it, into a [`Store`](halflight_results::Store) line by line |
 //! | ledger | `ledger/` | a paper's claims → figures in a store → a page of verdicts |
+//! | rates | `rates.rs` | a store → frames a second, beside those that papers print |
+//! | measured | `measured/` | a store → the file of a device; all files → the page that compares them |
 //! | figures | `figures/` | a paper's figures and tables → a page each |
 //! | gate | `gate/` | what a store holds, against baselines |
 //!
@@ -49,10 +51,12 @@ mod forecast;
 pub mod gate;
 mod judge;
 pub mod ledger;
+pub mod measured;
 mod plan;
 mod priority;
 mod probe;
 mod progress;
+mod rates;
 mod recorder;
 pub mod refs;
 mod rescore;
@@ -63,6 +67,7 @@ mod score;
 mod select;
 mod settings;
 mod suite;
+mod sway;
 mod table;
 mod todo;
 

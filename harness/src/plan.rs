@@ -33,11 +33,18 @@ pub struct Plan {
 pub struct Stage {
     /// The scene.
     pub scene: Scene,
-    /// Its frames; each holds its receivers, about 80 bytes apiece.
+    /// Its frames, as many of them as any group takes; each holds its receivers, about 80 bytes apiece.
     pub frames: Vec<Frame>,
 }
 
-/// A method with its parameters on all frames of a scene.
+/// The first frames of a scene, posed.
+#[derive(Clone, Copy)]
+struct Sequence {
+    scene: usize,
+    frames: usize,
+}
+
+/// A method with its parameters on all frames of a scene that are asked for.
 #[derive(Clone)]
 pub struct Group {
     /// Index into [`Plan::scenes`].
@@ -129,9 +136,10 @@ impl Plan {
                     None => plan.add_scene(halflight_scenes::find(name)?),
                 };
                 names.insert(name.clone(), scene);
+                let sequence = plan.pose(scene, entry.frames);
                 let all = jobs.iter().flat_map(|job| quantities.iter().map(move |quantity| (job, *quantity)));
                 for ((method, params), quantity) in all {
-                    let group = plan.group(scene, *method, params, quantity, &entry.references, terms)?;
+                    let group = plan.group(sequence, *method, params, quantity, &entry.references, terms)?;
                     let keys = group.cells.iter().map(Cell::key).collect();
                     match known.get(&keys) {
                         Some(&same) => merge(&mut plan.groups[same].references, group.references),
@@ -174,15 +182,22 @@ impl Plan {
     fn add_scene(&mut self, scene: Scene) -> usize {
         // The same content under two names is one scene.
         self.scenes.iter().position(|stage| stage.scene.content == scene.content).unwrap_or_else(|| {
-            let frames = (0..scene.frame_count).map(|frame| scene.frame(frame)).collect();
-            self.scenes.push(Stage { scene, frames });
+            self.scenes.push(Stage { scene, frames: Vec::new() });
             self.scenes.len() - 1
         })
     }
 
+    /// Poses the first so many frames of a scene, all if nothing is said.
+    fn pose(&mut self, scene: usize, wanted: Option<usize>) -> Sequence {
+        let Stage { scene: content, frames } = &mut self.scenes[scene];
+        let count = wanted.unwrap_or(content.frame_count).min(content.frame_count);
+        frames.extend((frames.len()..count).map(|frame| content.frame(frame)));
+        Sequence { scene, frames: count }
+    }
+
     fn group(
         &self,
-        scene: usize,
+        Sequence { scene, frames }: Sequence,
         method: &'static dyn Method,
         params: &Params,
         quantity: Quantity,
@@ -190,7 +205,8 @@ impl Plan {
         terms: &Terms,
     ) -> Result<Group, Error> {
         let backend = Backend::Cpu;
-        let Stage { scene: content, frames } = &self.scenes[scene];
+        let Stage { scene: content, frames: posed } = &self.scenes[scene];
+        let frames = &posed[..frames];
         let info = method.info();
         let revision = halflight_registry::revision(info.family());
         let cell = |frame: &Frame| Cell {
@@ -315,7 +331,8 @@ fn merge(into: &mut Vec<Reference>, more: Vec<Reference>) {
     }
 }
 
-fn json(value: Value) -> serde_json::Value {
+/// A parameter as cells have it.
+pub(crate) fn json(value: Value) -> serde_json::Value {
     match value {
         Value::Int(v) => v.into(),
         Value::Float(v) => v.into(),

@@ -2,13 +2,14 @@
 //! and their ratios stay right.
 //!
 //! Each is prepared and updated, once each and timed, and shades once to warm up. Then come the rounds: in each the
-//! calibration's fixed work, then every method's `shade` (one `evaluate`) and `read`. In a round where preparing anew is
-//! cheap, `prepare` and `update` are timed again on an instance that is thrown away. A method that is to use other threads
+//! calibration's fixed work, then every method's `update` from another frame, told apart as `update again`, its `shade` (one `evaluate`) and
+//! `read`. In a round where preparing anew is cheap, `prepare` and `update` are timed again on an instance that is thrown away. A method that is to use other threads
 //! than the rest runs in a pool of its own.
 
 use crate::calibrate::Calibrator;
-use crate::execute::{Ready, Task, evaluate, guarded, prepare_once, update};
+use crate::execute::{Ready, Task, evaluate, guarded, prepare_once, update, update_again};
 use crate::recorder::{Recorded, Recorder};
+use crate::sway::Motion;
 use halflight_results::{Calibration, Key, Phase, Timing};
 use halflight_scenes::{Frame, Rgb};
 use rayon::ThreadPool;
@@ -45,20 +46,20 @@ impl<'a> Entrant<'a> {
     }
 }
 
-/// Times these methods on a frame; a failure says in words what went wrong, and leaves the others to go on.
+/// Times these methods on a frame, updated from another one if there is any; a failure says in words what went wrong, and leaves the others to go on.
 pub(crate) fn side_by_side(
     entrants: Vec<&mut Entrant<'_>>,
-    frame: &Frame,
+    motion: Motion<'_>,
     repeats: usize,
     calibrator: &Calibrator,
 ) -> Vec<Result<Timed, String>> {
-    let warm_up = |entrant| Running::begin(entrant, frame);
+    let warm_up = |entrant| Running::begin(entrant, motion.to);
     let mut all: Vec<_> = entrants.into_iter().map(warm_up).collect();
     for _ in 0..repeats {
         let mut measured: Vec<(usize, [f64; 2])> = Vec::new();
         for one in &mut all {
             let Ok(running) = one else { continue };
-            if let Err(error) = running.round(frame, calibrator, &mut measured) {
+            if let Err(error) = running.round(motion, calibrator, &mut measured) {
                 *one = Err(error);
             }
         }
@@ -90,7 +91,7 @@ impl<'e, 'a> Running<'e, 'a> {
     /// One round; the calibration is measured once a round and number of threads.
     fn round(
         &mut self,
-        frame: &Frame,
+        Motion { from, to: frame }: Motion<'_>,
         calibrator: &Calibrator,
         measured: &mut Vec<(usize, [f64; 2])>,
     ) -> Result<(), String> {
@@ -111,6 +112,7 @@ impl<'e, 'a> Running<'e, 'a> {
                 update(&mut anew, frame, &mut Recorder::new(&mut silent), recorded)?;
             }
             let Some(ready) = ready else { return Err("expected a method that is ready".into()) };
+            update_again(ready, Motion { from, to: frame }, recorded)?;
             evaluate(task, ready.method.as_mut(), frame, &mut Recorder::new(&mut silent), recorded, radiance)
         })
     }

@@ -52,6 +52,7 @@ impl Selection {
             set: self.set.clone(),
             quantities: or(&self.quantities, crate::suite::direct()),
             references: or(&self.references, DEFAULT_REFERENCES.map(str::to_owned).to_vec()),
+            frames: None,
         }
     }
 }

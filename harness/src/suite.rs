@@ -9,6 +9,7 @@
 //! set = { order = "2..6", p = 2 }                  # as with --set; a list of values is well too
 //! references = ["truth", "sh-light"]
 //! quantities = ["direct"]                          # the default; `indirect-1` (bounces), `total`
+//! frames = 3                                       # the first so many; all if nothing is said
 //! ```
 //!
 //! `scenes = ["all"]` are all that are shipped, `methods = ["all"]` all that are registered, `shexp/*` those of a family.
@@ -49,6 +50,8 @@ pub struct Entry {
     /// What is computed: `direct`, `indirect-N` by N bounces, `total`.
     #[serde(default = "direct")]
     pub quantities: Vec<String>,
+    /// The first so many frames of each scene; all if nothing is said, or where there are fewer.
+    pub frames: Option<usize>,
 }
 
 /// The suites that come with the program.
@@ -101,6 +104,9 @@ impl Suite {
             let lists = [("scenes", &entry.scenes), ("methods", &entry.methods), ("quantities", &entry.quantities)];
             if let Some((field, _)) = lists.iter().find(|(_, list)| list.is_empty()) {
                 return Err(wrong(format!("entry {}: `{field}` is empty, expected at least one", i + 1)));
+            }
+            if entry.frames == Some(0) {
+                return Err(wrong(format!("entry {}: `frames` is 0, expected at least 1", i + 1)));
             }
         }
         if suite.entries.is_empty() { Err(wrong("expected at least one `[[entry]]`".into())) } else { Ok(suite) }

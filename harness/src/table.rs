@@ -6,12 +6,13 @@ mod parquet;
 
 use crate::rescore::newest;
 use halflight_metrics::{median, median_interval, outliers};
+use halflight_reports::{Twins, twins};
 use halflight_results::{Cell, Environment, Record, Run, Score, Store, Times};
 use std::collections::BTreeMap;
 
 /// The columns in their order, with what they hold. `NAME` stands for every name that the results have: of a parameter, an
 /// error measure, a span of time, a counter; where a row has none the column is empty.
-pub const COLUMNS: [(&str, &str); 46] = [
+pub const COLUMNS: [(&str, &str); 54] = [
     ("kind", "run, skip or failure"),
     ("why", "the reason of a skip, or the error of a failure"),
     ("scene", "the scene's name or path"),
@@ -39,6 +40,20 @@ pub const COLUMNS: [(&str, &str); 46] = [
     ("shared_NAME", "key of the cell for which this phase was carried out when the picture was made"),
     ("derived_ns", "time to build the derived data that were used, charged apart from the phases, nanoseconds"),
     ("count_NAME", "work done, skipped or guarded in one prepare, update, evaluate and read"),
+    (
+        "twin",
+        "key of the same cell on the CPU, on rows of graphics processors; the next columns hold their pictures against each other",
+    ),
+    ("apart_max", "largest absolute difference of a channel, radiance"),
+    ("apart_receiver", "the receiver where it is; empty where nothing differs"),
+    ("apart_rmse", "root mean square difference, radiance"),
+    ("apart_bias", "mean signed difference, GPU less CPU, radiance"),
+    ("apart_level", "root mean square of the CPU's picture, radiance"),
+    (
+        "apart_not_finite",
+        "receivers with a NaN or infinity in one picture, which are not compared, and those valid in one alone",
+    ),
+    ("apart_error", "why the pictures cannot be compared"),
     ("host_bytes", "main memory held after shading, as the method counts it, bytes"),
     ("device_bytes", "device memory held after shading, as the method counts it, bytes"),
     ("cpu", "the processor's model name"),
@@ -98,6 +113,7 @@ impl Table {
     /// without a score in a row of their own.
     pub fn of(store: &Store) -> Self {
         let mut rows = Vec::new();
+        let twins = twins(store);
         for outcome in store.outcomes() {
             let Some(cell) = outcome.cell() else { continue };
             let mut row = Row::default();
@@ -106,6 +122,7 @@ impl Table {
                 Record::Run(run) => {
                     row.run(run);
                     store.times(&cell.key()).into_iter().for_each(|times| row.times(times));
+                    twins.iter().filter(|twins| twins.gpu == cell.key()).for_each(|twins| row.twins(twins));
                 }
                 Record::Skip(skip) => row.absent("skip", &skip.reason),
                 Record::Failure(failure) => row.absent("failure", &failure.error),
@@ -222,6 +239,24 @@ impl Row {
         self.count("host_bytes", run.footprint.iter().map(|storage| storage.host_bytes).sum());
         self.count("device_bytes", run.footprint.iter().map(|storage| storage.device_bytes).sum());
         self.environment(&run.environment);
+    }
+
+    fn twins(&mut self, twins: &Twins) {
+        self.text("twin", twins.cpu.as_str());
+        match &twins.apart {
+            Ok(apart) => {
+                let of = [
+                    ("apart_max", apart.max),
+                    ("apart_rmse", apart.rmse),
+                    ("apart_bias", apart.bias),
+                    ("apart_level", apart.level),
+                ];
+                of.into_iter().for_each(|(column, value)| self.set(column, "", Value::Real(value)));
+                apart.worst.into_iter().for_each(|receiver| self.count("apart_receiver", receiver as u64));
+                self.count("apart_not_finite", (apart.not_finite + apart.lone) as u64);
+            }
+            Err(error) => self.text("apart_error", error),
+        }
     }
 
     fn times(&mut self, times: &Times) {

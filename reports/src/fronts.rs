@@ -101,7 +101,9 @@ impl Entry {
 type Kind = (String, String);
 
 fn kind(row: &Row) -> Kind {
-    (row.run.cell.quantity.clone(), row.run.cell.timed_on.clone().unwrap_or_default())
+    let cell = &row.run.cell;
+    // Of what was not timed, all that is known is where it ran.
+    (cell.quantity.clone(), cell.timed_on.as_ref().unwrap_or(&cell.backend).clone())
 }
 
 impl Report {

@@ -32,7 +32,7 @@ impl Labels {
 
     /// The label without where the cell ran.
     pub(crate) fn setting(&self, cell: &Cell) -> String {
-        self.without(cell, &["backend", "threads", "on"])
+        self.without(cell, &["backend", "threads", "on", "by"])
     }
 
     fn without(&self, cell: &Cell, left_out: &[&str]) -> String {
@@ -40,7 +40,8 @@ impl Labels {
         let is_shown =
             |name: &String| differing.is_some_and(|d| d.contains(name)) && !left_out.contains(&name.as_str());
         let shown = fields_of(cell).into_iter().filter(|(name, _)| is_shown(name));
-        let parts: Vec<String> = shown.map(|(name, value)| format!("{name} {value}")).collect();
+        let part = |(name, value): (String, String)| if name == "backend" { value } else { format!("{name} {value}") };
+        let parts: Vec<String> = shown.map(part).collect();
         if parts.is_empty() { cell.method.clone() } else { format!("{} · {}", cell.method, parts.join(", ")) }
     }
 }
@@ -53,9 +54,11 @@ fn fields_of(cell: &Cell) -> Vec<(String, String)> {
     fields.push(("quantity".into(), cell.quantity.clone()));
     fields.push(("seed".into(), cell.seed.to_string()));
     fields.push(("revision".into(), cell.revision.chars().take(8).collect()));
-    let (threads, on) = split(cell.timed_on.as_deref().unwrap_or_default());
-    fields.push(("threads".into(), threads));
-    fields.push(("on".into(), on));
+    // What was not timed is on no machine, rather than on another one; and what says the backend need not be said again.
+    if let Some((threads, on)) = cell.timed_on.as_deref().map(split) {
+        fields.push(("threads".into(), threads));
+        fields.push((if cell.is_gpu() { "by" } else { "on" }.into(), on));
+    }
     fields
 }
 
@@ -139,8 +142,27 @@ mod tests {
     fn a_setting_is_the_same_wherever_it_runs() {
         let on = |backend: &str, order| Cell { backend: backend.into(), ..cell("s", "a/x", order, 0) };
         let labels = Labels::of([on("cpu", 3), on("gpu: x", 3), on("cpu", 4)].iter());
-        assert_eq!(labels.label(&on("gpu: x", 3)), "a/x · order 3, backend gpu: x");
+        assert_eq!(labels.label(&on("gpu: x", 3)), "a/x · order 3, gpu: x");
         assert_eq!(labels.setting(&on("gpu: x", 3)), "a/x · order 3");
+    }
+
+    #[test]
+    fn machines_are_told_apart_on_each_backend_by_itself() {
+        let on = |backend: &str, timed_on: Option<&str>| Cell {
+            backend: backend.into(),
+            timed_on: timed_on.map(str::to_owned),
+            ..cell("s", "a/x", 3, 0)
+        };
+        let [cpu, gpu, software] =
+            [on("cpu", Some("a | 2 threads")), on("gpu: x", Some("a | 2 threads | x")), on("gpu: y", None)];
+        let labels = Labels::of([&cpu, &gpu, &software].into_iter());
+        assert_eq!(
+            [&cpu, &gpu, &software].map(|cell| labels.label(cell)),
+            ["a/x · cpu", "a/x · gpu: x", "a/x · gpu: y"]
+        );
+        let elsewhere = on("cpu", Some("b | 2 threads"));
+        let labels = Labels::of([&cpu, &gpu, &elsewhere].into_iter());
+        assert_eq!([&gpu, &elsewhere].map(|cell| labels.label(cell)), ["a/x · gpu: x", "a/x · cpu, on b"]);
     }
 
     #[test]

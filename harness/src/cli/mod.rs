@@ -13,6 +13,7 @@ mod gate;
 mod import;
 mod ledger;
 mod list;
+mod measured;
 mod merge;
 mod pareto;
 mod paths;
@@ -91,6 +92,8 @@ enum Command {
     Accuracy(accuracy::Accuracy),
     /// Hold a paper's claims against what was measured of them: write the ledger from stored figures, or take them
     Ledger(ledger::Ledger),
+    /// Compare devices: write the page of what was measured on them, or measure this one
+    Measured(measured::Page),
     /// Make the page of a paper's figure or table, or list those that there are
     Figure(figure::Figure),
     /// List what there is
@@ -282,6 +285,7 @@ fn act(cli: Cli) -> anyhow::Result<Ending> {
         Some(Command::Crosscheck(check)) => check.act(),
         Some(Command::Accuracy(accuracy)) => accuracy.act(),
         Some(Command::Ledger(ledger)) => ledger.act(),
+        Some(Command::Measured(measured)) => measured.act(&threads),
         Some(Command::Figure(figure)) => figure.act(),
         Some(Command::List(list)) => list.act(),
         Some(Command::Doctor(doctor)) => doctor.act(),

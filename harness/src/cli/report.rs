@@ -54,6 +54,7 @@ fn write_with(
 ) -> anyhow::Result<halflight_reports::Report> {
     let mut report = halflight_reports::build(store, "Halflight");
     report.scalings = crate::scaling::of(store);
+    report.rates = crate::rates::of(store);
     report.benchmarks = benchmarks;
     report.warnings.extend(warnings);
     report.warnings.iter().for_each(|warning| eprintln!("halflight: {warning}"));

@@ -41,6 +41,25 @@ impl Run {
         Ok(self.carry_out(DEFAULT_SUITE, threads)?.0)
     }
 
+    /// What is asked for, this suite if nothing is.
+    pub(super) fn plan(&self, suite: &str, threads: &[usize]) -> Result<crate::Plan, crate::Error> {
+        self.pick.plan(suite, threads)
+    }
+
+    /// What is asked for, as on the command line, this suite if nothing is.
+    pub(super) fn words(&self, suite: &str) -> String {
+        let suite = if self.pick.selection().names_nothing() { format!(" --suite {suite}") } else { String::new() };
+        suite + &self.pick.words()
+    }
+
+    /// The name of the adapter that takes part and what is known of it; none where none does.
+    pub(super) fn adapter(&self) -> Result<Option<(String, String)>, crate::Error> {
+        if self.pick.backend == crate::Where::Cpu {
+            return Ok(None);
+        }
+        Ok(crate::processor(self.pick.adapter.as_deref())?.ok().map(|processor| (processor.device, processor.about)))
+    }
+
     /// Runs what is asked for, this suite if nothing is; with the results, if it was no dry run.
     pub(super) fn carry_out(&self, suite: &str, threads: &[usize]) -> anyhow::Result<(Ending, Option<Store>)> {
         if self.dry_run {

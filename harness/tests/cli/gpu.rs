@@ -20,6 +20,8 @@ fn without_an_adapter_cells_are_skipped_with_the_reason_and_the_others_run() {
     assert_eq!(skips.len(), 2, "{lines:?}");
     assert!(skips.iter().any(|skip| skip.contains(reason)), "{skips:?}");
     assert_eq!(of_kind(&lines, "run").len(), 2);
+    let report = std::fs::read_to_string(bench.path("halflight-out/report.html")).unwrap();
+    assert!(report.contains("GPU skipped: ") && report.contains(reason));
 }
 
 #[cfg(feature = "gpu")]
@@ -45,6 +47,21 @@ fn both_backends_run_side_by_side_and_software_is_not_timed() {
     assert_eq!(times.len(), if software { 1 } else { 2 });
     assert_eq!(times[0]["run"], runs[0]["key"]);
     assert!(bench.well(&format!("plan {pick}")).contains("2 cached"));
+
+    let report = std::fs::read_to_string(bench.path("halflight-out/report.html")).unwrap();
+    for part in ["CPU against GPU", "CPU and GPU side by side", "1 pairs of pictures"] {
+        assert!(report.contains(part), "{part}");
+    }
+    assert_eq!(report.contains(">correctness only</td>"), software);
+    bench.well("export --csv results.csv");
+    let csv = std::fs::read_to_string(bench.path("results.csv")).unwrap();
+    let column = csv.lines().next().unwrap().split(',').position(|name| name == "twin").unwrap();
+    assert!(column > 0 && csv.contains(runs[0]["key"].as_str().unwrap()));
+
+    bench.well(&format!("measured take {pick} --files kept"));
+    let page = std::fs::read_to_string(bench.path("kept.md")).unwrap();
+    assert!(page.contains("| against the processor |") && page.contains("- adapter: "), "{page}");
+    assert_eq!(page.contains("No graphics processor has been measured"), software);
 
     let unknown = bench.halflight(&format!("plan {pick} --adapter voodoo"));
     assert_eq!(unknown.code, 2);

@@ -10,9 +10,13 @@ mod figure;
 mod gate;
 mod gate_controls;
 mod gpu;
+#[cfg(feature = "gpu")]
+mod gpu_lost;
 mod import;
 mod killed;
 mod ledger;
+mod lost;
+mod measured;
 mod refs;
 mod rescore;
 mod run;

@@ -1,6 +1,6 @@
 //! What sphere-blocker methods answer and where they run.
 
-use halflight_contract::{Backend, Job, Meter, Params, Prepared, Quantity, Request, Result, Support};
+use halflight_contract::{Backend, Job, Meter, Prepared, Quantity, Request, Result, Support};
 use halflight_scenes::SceneFacts;
 
 use crate::{Accumulator, DirectLight, params};
@@ -25,18 +25,18 @@ pub fn prepare<'s, A: Accumulator>(job: &Job<'s, '_>, meter: &mut dyn Meter) -> 
 pub fn supports<A: Accumulator>(facts: &SceneFacts, request: &Request<'_>) -> Support {
     match (cpu(facts, request), request.backend) {
         (Support::Skip(why), _) => Support::Skip(why),
-        (support, Backend::Gpu(_)) => gpu::<A>(request.params).map_or(support, |why| Support::Skip(why.into())),
+        (support, Backend::Gpu(_)) => gpu::<A>().map_or(support, |why| Support::Skip(why.into())),
         (support, Backend::Cpu) => support,
     }
 }
 
-/// What there is that shaders do not do.
-fn gpu<A: Accumulator>(params: &Params) -> Option<&'static str> {
-    let missing = [
-        (A::SHADER.is_none(), "the method has no GPU backend"),
-        (!cfg!(feature = "gpu"), "this program was built without the feature gpu"),
-    ];
-    missing.into_iter().find(|(missing, _)| *missing).map(|(_, why)| why)
+/// Why a method does not run on the GPU.
+fn gpu<A: Accumulator>() -> Option<&'static str> {
+    match A::SHADER {
+        None => Some("the method has no GPU backend"),
+        Some(_) if !cfg!(feature = "gpu") => Some("this program was built without the feature gpu"),
+        Some(_) => None,
+    }
 }
 
 /// Direct light of what is distant and of spheres that emit, and visibility up to their own order, where

@@ -6,7 +6,6 @@ use crate::format::{bytes, escape, number, time};
 use crate::{Report, Row, Scene};
 use halflight_metrics::{Interval, median, median_interval};
 use halflight_results::Phase;
-use std::fmt::Write;
 
 /// How spans by the device's own clock are told from wall times.
 const CLOCK: &str = " (gpu clock)";
@@ -20,27 +19,44 @@ pub(crate) fn columns(report: &Report, scene: &Scene) -> String {
     if pairs.is_empty() {
         return String::new();
     }
-    let reference = scene.main_reference();
-    let errors = reference.map_or("RMSE".into(), |reference| format!("RMSE against {}", escape(reference)));
-    let both =
-        ["prepare", "update", "shade"].map(str::to_owned).into_iter().chain(["read".into(), errors, "memory".into()]);
-    let heads: String = both.map(|name| format!("<th colspan=\"2\">{name}</th>")).collect();
-    let sides = "<th>CPU</th><th>GPU</th>";
-    let mut table = format!(
-        "<table class=\"backends\"><thead><tr><th rowspan=\"2\">setting</th>{heads}<th rowspan=\"2\">CPU over GPU,<br>shade</th>\
-         <th rowspan=\"2\">passes,<br>GPU's clock</th><th rowspan=\"2\">up<br>down</th></tr><tr>{}</tr></thead><tbody>",
-        sides.repeat(6)
-    );
-    for pair in &pairs {
-        let _ = write!(table, "<tr>{}{}</tr>", heading(report, pair), cells(scene, pair));
-    }
-    table += "</tbody></table>";
+    let times = SPANS.iter().map(|(_, name)| (*name).to_owned());
+    let times = table(report, &pairs, times, &["CPU over GPU, shade", "passes, by the GPU's clock"], times_of);
+    let errors = scene.references.iter().map(|reference| format!("RMSE against {}", escape(&reference.id)));
+    let rest = errors.chain(["memory".to_owned()]);
+    let rest = table(report, &pairs, rest, &["uploaded", "downloaded"], |pair| rest_of(scene, pair));
     format!(
         "<details open><summary>CPU and GPU side by side</summary><p class=\"note\">Wall times of the phases, medians, taken in turns; \
          the shade of a GPU ends when the device is done, and reading the result is apart. Passes are timed by the device's own \
-         clock. Up and down: bytes moved to and from the device in one prepare, update, shade and read. Memory: main memory, and on the \
-         device. An adapter in software is there for correctness only: it is not timed.</p>\
-         <div class=\"wide\">{table}</div></details>"
+         clock. Uploaded, downloaded: bytes moved to and from the device in one prepare, update, shade and read. Memory: main memory, and \
+         on the device. An adapter in software is there for correctness only: it is not timed.</p>\
+         <div class=\"wide\">{times}</div><div class=\"wide\">{rest}</div></details>"
+    )
+}
+
+/// Spans that both backends have, and what they are called.
+const SPANS: [(&str, &str); 5] = [
+    ("prepare", "prepare"),
+    ("update", "first update"),
+    ("update again", "update again"),
+    ("shade", "shade"),
+    ("read", "read"),
+];
+
+/// A row a pair; a column each for CPU and GPU under these headings, then those of the pair as a whole.
+fn table(
+    report: &Report,
+    pairs: &[Pair<'_>],
+    both: impl Iterator<Item = String>,
+    whole: &[&str],
+    cells: impl Fn(&Pair<'_>) -> String,
+) -> String {
+    let both: Vec<String> = both.map(|name| format!("<th colspan=\"2\">{name}</th>")).collect();
+    let whole: String = whole.iter().map(|name| format!("<th rowspan=\"2\">{name}</th>")).collect();
+    let sides = "<th>CPU</th><th>GPU</th>".repeat(both.len());
+    let rows: String = pairs.iter().map(|pair| format!("<tr>{}{}</tr>", heading(report, pair), cells(pair))).collect();
+    format!(
+        "<table class=\"backends\"><thead><tr><th rowspan=\"2\">setting</th>{}{whole}</tr><tr>{sides}</tr></thead><tbody>{rows}</tbody></table>",
+        both.concat()
     )
 }
 
@@ -54,37 +70,34 @@ pub(crate) fn heading(report: &Report, pair: &Pair<'_>) -> String {
     format!("<th>{chips}{}<small>{}</small></th>", escape(&report.settings[pair.label()]), small.join(" · "))
 }
 
-fn cells(scene: &Scene, pair: &Pair<'_>) -> String {
-    let [cpu, gpu] = [pair.cpu.row(), pair.gpu.row()];
-    let mut html = String::new();
-    for span in [Phase::Prepare.name(), Phase::Update.name(), Phase::Shade.name(), "read"] {
-        let _ = write!(
-            html,
-            "<td>{}</td>{}",
-            cpu.map_or("–".into(), |row| duration(row, span)),
-            timed(pair, |row| duration(row, span))
-        );
-    }
-    for row in [cpu, gpu] {
-        let error = row.zip(scene.main_reference()).and_then(|(row, id)| row.score(id));
-        let rmse = error.and_then(|score| Some((number(*score.measures.get("rmse")?), score.resolved)));
-        html += &match rmse {
-            Some((rmse, true)) => format!("<td>{rmse}</td>"),
-            Some((rmse, false)) => format!("<td class=\"unresolved\" title=\"not resolved\">{rmse}</td>"),
-            None => "<td>–</td>".into(),
-        };
-    }
-    for row in [cpu, gpu] {
-        let _ = write!(html, "<td>{}</td>", row.map_or("–".into(), memory));
-    }
-    html += &timed(pair, |gpu| cpu.and_then(|cpu| gain(cpu, gpu)).map_or("–".into(), ratio));
-    html += &timed(pair, passes);
-    let traffic = gpu.map_or("–".into(), |row| {
-        let count = |name: &str| row.run.counters.get(name).map_or("–".into(), |count| bytes(*count));
-        format!("{}<small>{}</small>", count("bytes uploaded"), count("bytes downloaded"))
+fn times_of(pair: &Pair<'_>) -> String {
+    let cpu = pair.cpu.row();
+    let both = SPANS.iter().map(|(span, _)| {
+        let cpu = cpu.map_or("–".into(), |row| duration(row, span));
+        format!("<td>{cpu}</td>{}", timed(pair, |row| duration(row, span)))
     });
-    let _ = write!(html, "<td>{traffic}</td>");
-    html
+    let gain = timed(pair, |gpu| cpu.and_then(|cpu| gain(cpu, gpu)).map_or("–".into(), ratio));
+    both.chain([gain, timed(pair, passes)]).collect()
+}
+
+fn rest_of(scene: &Scene, pair: &Pair<'_>) -> String {
+    let [cpu, gpu] = [pair.cpu.row(), pair.gpu.row()];
+    let errors = scene.references.iter().flat_map(|reference| [cpu, gpu].map(|row| error(row, &reference.id)));
+    let memory = [cpu, gpu].map(|row| format!("<td>{}</td>", row.map_or("–".into(), memory)));
+    let traffic = ["bytes uploaded", "bytes downloaded"].map(|name| {
+        let count = gpu.and_then(|row| row.run.counters.get(name));
+        format!("<td>{}</td>", count.map_or("–".into(), |count| bytes(*count)))
+    });
+    errors.chain(memory).chain(traffic).collect()
+}
+
+fn error(row: Option<&Row>, reference: &str) -> String {
+    let score = row.and_then(|row| row.score(reference));
+    match score.and_then(|score| Some((number(*score.measures.get("rmse")?), score.resolved))) {
+        Some((rmse, true)) => format!("<td>{rmse}</td>"),
+        Some((rmse, false)) => format!("<td class=\"unresolved\" title=\"not resolved\">{rmse}</td>"),
+        None => "<td>–</td>".into(),
+    }
 }
 
 /// A time of the graphics processor, or why there is none.

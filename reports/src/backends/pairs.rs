@@ -3,6 +3,7 @@
 use crate::{Absent, Report, Row};
 use halflight_metrics::{Apart, apart};
 use halflight_results::{Cell, Key, Layout, Picture, Record, Run, Store};
+use std::collections::HashMap;
 
 /// What became of a cell on one backend.
 #[derive(Clone, Copy, Debug)]
@@ -80,20 +81,20 @@ pub(crate) fn pairs<'r>(report: &'r Report, scene: &str) -> Vec<Pair<'r>> {
     let rows = report.scenes.iter().filter(|s| s.name == scene).flat_map(|s| &s.rows).map(Outcome::Run);
     let absent = |list: &'r [Absent]| list.iter().filter(move |absent| absent.scene == scene);
     let absent = absent(&report.failures).map(Outcome::Failed).chain(absent(&report.skips).map(Outcome::Skipped));
-    let cells = rows.chain(absent).filter_map(|outcome| Some((outcome.cell()?, outcome)));
-    let (gpu, cpu): (Vec<_>, Vec<_>) = cells.partition(|(cell, _)| cell.is_gpu());
+    let cells = rows.chain(absent).filter_map(|outcome| Some((outcome.cell()?.anywhere(), outcome)));
+    let is_gpu = |outcome: &Outcome<'_>| outcome.cell().is_some_and(Cell::is_gpu);
+    let (gpu, cpu): (Vec<_>, Vec<_>) = cells.partition(|(_, outcome)| is_gpu(outcome));
     if gpu.is_empty() {
         return Vec::new();
     }
-    let mut seen: Vec<Cell> = Vec::new();
+    let mut seen: Vec<&Cell> = Vec::new();
     let mut pairs = Vec::new();
-    for (cell, _) in cpu.iter().chain(&gpu) {
-        let work = cell.anywhere();
+    for (work, _) in cpu.iter().chain(&gpu) {
         if seen.contains(&work) {
             continue;
         }
-        let of = |all: &[(&Cell, Outcome<'r>)]| -> Vec<Outcome<'r>> {
-            all.iter().filter(|(cell, _)| cell.anywhere() == work).map(|(_, outcome)| *outcome).collect()
+        let of = |all: &[(Cell, Outcome<'r>)]| -> Vec<Outcome<'r>> {
+            all.iter().filter(|(other, _)| other == work).map(|(_, outcome)| *outcome).collect()
         };
         pairs.extend(matched(&of(&cpu), of(&gpu)));
         seen.push(work);
@@ -157,9 +158,13 @@ pub fn twins(store: &Store) -> Vec<Twins> {
         Some(image) => store.read_picture(image).map_err(|error| error.to_string()),
         None => Err("expected a run with a picture".to_owned()),
     };
+    // Of equals the first: they differ in where they were timed.
+    let mut cpus: HashMap<Key, &Run> = HashMap::new();
+    for run in runs().filter(|run| !run.cell.is_gpu()) {
+        cpus.entry(run.cell.anywhere().key()).or_insert(run);
+    }
     let twins = runs().filter(|run| run.cell.is_gpu()).filter_map(|gpu| {
-        let work = gpu.cell.anywhere();
-        let cpu = runs().find(|run| !run.cell.is_gpu() && run.cell.anywhere() == work)?;
+        let cpu = cpus.get(&gpu.cell.anywhere().key())?;
         let apart = picture(gpu).and_then(|gpu| of_pictures(&gpu, &picture(cpu)?));
         Some(Twins { gpu: gpu.cell.key(), cpu: cpu.cell.key(), apart })
     });

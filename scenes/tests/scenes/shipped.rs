@@ -19,6 +19,7 @@ fn all_load_with_purpose_and_valid_receivers() {
         "deformers",
         "dino-elephant-courtyard",
         "fractal-1024",
+        "fractal-1024-key",
         "fractal-256",
         "fractal-256-key",
         "fractal-512",

@@ -5,11 +5,12 @@ use super::super::row::{Figures, Judgement, Row, Verdict, number};
 use crate::Error;
 use crate::execute::{evaluate, prepare_once, update};
 use crate::recorder::{Recorded, Recorder};
+use crate::sway::swayed;
 use glam::Vec2;
 use halflight_contract::Cache;
 use halflight_horizons::{Azimuth, Horizons, Purpose, Pyramid, Settings, Storage};
 use halflight_results::Key;
-use halflight_scenes::{Frame, HeightField, Light, Revision, Rgb, Scene, Shape};
+use halflight_scenes::{Frame, HeightField, Light, Rgb, Scene};
 use std::sync::Arc;
 
 const SIDES: [usize; 3] = [256, 512, 1024];
@@ -113,15 +114,7 @@ fn frames<'a>(bench: &'a Bench, scene: &'a Scene, setting: &'a Setting) -> Resul
 /// The first frame, and one in which all heights differ.
 pub(crate) fn swaying(scene: &Scene) -> [Arc<Frame>; 2] {
     let first = scene.frame(0);
-    let mut second = first.clone();
-    for posed in &mut second.objects {
-        if let Shape::Heights(field) = &*posed.shape {
-            let heights = field.heights().iter().map(|height| 1.01 * height).collect();
-            let size = [field.columns(), field.rows()];
-            posed.shape = Arc::new(Shape::Heights(HeightField::new(size, field.origin(), field.cell(), heights)));
-            posed.revision = Revision(posed.revision.0 ^ 1);
-        }
-    }
+    let second = swayed(&first).unwrap_or_else(|| first.clone());
     [first, second].map(Arc::new)
 }
 
