@@ -170,6 +170,18 @@ fn both_backends_agree_to_rounding() {
     }
 }
 
+#[test]
+#[ignore = "minutes in software"]
+fn fields_of_the_papers_sizes_are_the_same_on_both() {
+    let partial = method("horizon-wedges/partial");
+    for name in ["fractal-256.toml", "fractal-512.toml", "fractal-1024.toml"] {
+        let scene = shipped(name);
+        let [found, allowed] = compared(&case(partial, &scene, Quantity::Direct), FEWEST);
+        println!("{name}: {found:.1e} apart, {allowed:.1e} allowed");
+        assert!(found <= allowed, "{name}: {found:e} > {allowed:e}");
+    }
+}
+
 /// What a method uploads, and what it counts beside.
 #[derive(Debug, Default)]
 struct Counted(BTreeMap<&'static str, u64>);
