@@ -10,6 +10,8 @@ mod figure;
 mod gate;
 mod gate_controls;
 mod gpu;
+#[cfg(feature = "gpu")]
+mod gpu_lost;
 mod import;
 mod killed;
 mod ledger;

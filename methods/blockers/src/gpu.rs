@@ -30,8 +30,8 @@ pub use shader::{Needs, Text, source};
 /// A receiver as the shader sees it: position and cluster, geometric normal, normal and albedo, each padded.
 type Seer = [[f32; 4]; 4];
 
-/// Lavapipe ends all loops of a thread after so many rounds in sum, without a word.
-const SOFTWARE_ROUNDS: u64 = 65_535;
+/// What the shader counts, as it numbers them.
+const COUNTERS: usize = 8;
 
 /// The receivers' revision, and what clusters were made for.
 type Order = (Revision, Option<(Revision, usize)>);
@@ -163,27 +163,15 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
         words
     }
 
-    /// Refuses more spheres than a receiver's thread gets through: each is a round, and where it costs a product, one for each pair of that
-    /// product's rings.
-    fn within_rounds(&self) -> Result<()> {
-        let spheres = self.cuts.as_ref().map_or(self.stage.spheres.spheres.len() as u64, Cuts::longest);
-        let most = SOFTWARE_ROUNDS / (3 + params::accumulated_order(&self.params) as u64 / 2);
-        if self.gpu.adapter().is_software() && spheres > most {
-            let name = &self.gpu.adapter().name;
-            let what = format!("{name}: {spheres} spheres before a receiver, expected at most {most} at this order");
-            return Err(Error::Device(what));
-        }
-        Ok(())
-    }
-
-    /// Runs the shader over all receivers, as many at a time as a binding holds.
-    fn shade(&self, meter: &mut dyn Meter) -> Result<()> {
+    /// Runs the shader over all receivers, as many at a time as a binding holds, and returns what it counted.
+    fn shade(&self, meter: &mut dyn Meter) -> Result<[u64; COUNTERS]> {
         let (each, wanted) = (size_of::<Seer>() as u64, 4 * self.quantity.channels() as u64);
-        // Parts begin at multiples of 256 bytes.
         let order = params::accumulated_order(&self.params);
-        let most = (self.gpu.max_binding() / each.max(wanted).max(bytes_each(order))) & !63;
+        let baked = self.baked.as_ref().map_or(0, |_| bytes_each(order));
+        // Parts begin at multiples of 256 bytes.
+        let most = (self.gpu.max_binding() / each.max(wanted).max(baked)) & !63;
         let count = self.valid.len() as u64;
-        for first in (0..count).step_by(most as usize) {
+        let part = |first: u64| {
             let threads = most.min(count - first);
             let mut buffers = vec![
                 self.settings.whole(),
@@ -196,16 +184,26 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
             buffers.extend(self.cuts.iter().flat_map(Cuts::buffers));
             buffers.extend(self.baked.iter().map(|baked| baked.part(first, threads, order)));
             buffers.extend(self.lamps.iter().flat_map(Lamps::buffers));
-            let pass = Pass { name: "accumulate and shade", pipeline: &self.pipeline, buffers: &buffers, threads };
-            self.gpu.run(&[pass], meter)?;
-        }
-        Ok(())
+            (threads, buffers)
+        };
+        let parts: Vec<_> = (0..count).step_by(most as usize).map(part).collect();
+        let pass =
+            |(threads, buffers)| Pass { name: "accumulate and shade", pipeline: &self.pipeline, buffers, threads };
+        let passes: Vec<_> = parts.iter().map(|(threads, buffers)| pass((*threads, buffers.as_slice()))).collect();
+        let words: Vec<[u32; 2]> = self.gpu.run_and_read(&passes, &self.counters, COUNTERS, meter)?;
+        Ok(std::array::from_fn(|i| u64::from(words[i][0]) | u64::from(words[i][1]) << 32))
     }
 
-    fn report(&self, receivers: &Receivers, meter: &mut dyn Meter) -> Result<()> {
-        let words: Vec<[u32; 2]> = self.gpu.download(&self.counters, 7, meter)?;
-        let [accumulated, too_small, additions, products, squares, guarded, kept] =
-            std::array::from_fn(|i| u64::from(words[i][0]) | u64::from(words[i][1]) << 32);
+    fn report(&self, receivers: &Receivers, counted: [u64; COUNTERS], meter: &mut dyn Meter) -> Result<()> {
+        let [accumulated, too_small, additions, products, squares, guarded, kept, ended] = counted;
+        if ended > 0 {
+            let name = &self.gpu.adapter().name;
+            let longest = self.cuts.as_ref().map_or(self.stage.spheres.spheres.len() as u64, Cuts::longest);
+            return Err(Error::Device(format!(
+                "{name}: {ended} receivers before up to {longest} spheres were ended on the way (lavapipe ends loops after 65 535 rounds): \
+                 expected fewer spheres"
+            )));
+        }
         let looked_at = match &self.cuts {
             Some(cuts) => cuts.looked_at,
             None => self.valid.len() as u64 * self.stage.spheres.spheres.len() as u64,
@@ -287,17 +285,16 @@ impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
         // Parameters may have changed since the update.
         self.show(receivers, meter)?;
         self.place(receivers, meter)?;
-        self.within_rounds()?;
         let order = params::accumulated_order(&self.params);
         self.tables.sync(&self.gpu, Revision(order as u64), meter, || wgsl::tables(order))?;
         self.settings.upload(&self.gpu, meter, &self.settings())?;
         if let Some(lamps) = &mut self.lamps {
             lamps.upload(&self.gpu, &self.stage, order, meter)?;
         }
-        self.counters.upload(&self.gpu, meter, &[0u32; 14])?;
+        self.counters.upload(&self.gpu, meter, &[0u32; 2 * COUNTERS])?;
         self.results.reserve(&self.gpu, 4 * (self.valid.len() * quantity.channels()) as u64)?;
-        timed(meter, "accumulate and shade", |meter| self.shade(meter))?;
-        self.report(receivers, meter)
+        let counted = timed(meter, "accumulate and shade", |meter| self.shade(meter))?;
+        self.report(receivers, counted, meter)
     }
 
     fn read(&mut self, out: Output<'_>, meter: &mut dyn Meter) -> Result<()> {

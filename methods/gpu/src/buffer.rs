@@ -74,7 +74,7 @@ impl Resident {
     /// # Errors
     /// The buffer does not hold so many, or the device is lost.
     pub fn write<T: Pod>(&self, gpu: &Gpu, meter: &mut dyn Meter, first: usize, values: &[T]) -> Result<()> {
-        let (buffer, offset) = (self.buffer()?, (first * size_of::<T>()) as u64);
+        let (buffer, offset) = (self.buffer(gpu)?, (first * size_of::<T>()) as u64);
         let bytes: &[u8] = bytemuck::cast_slice(values);
         if !bytes.is_empty() {
             gpu.checked(self.what, || gpu.queue.write_buffer(buffer, offset, bytes))?;
@@ -130,9 +130,9 @@ impl Resident {
         self.what
     }
 
-    pub(crate) fn buffer(&self) -> Result<&wgpu::Buffer> {
+    pub(crate) fn buffer(&self, gpu: &Gpu) -> Result<&wgpu::Buffer> {
         let empty = || GpuError::Invalid {
-            adapter: String::new(),
+            adapter: gpu.adapter().name.clone(),
             what: self.what.into(),
             message: "the buffer was never filled".into(),
         };
@@ -158,7 +158,7 @@ impl Gpu {
         meter.count("bytes downloaded", all.len() as u64);
         let mut offset = 0;
         for out in all.chunks_mut(STAGE as usize) {
-            let copy = Copy { from: from.buffer()?, offset, bytes: out.len() as u64 };
+            let copy = Copy { from: from.buffer(self)?, offset, bytes: out.len() as u64 };
             self.submit(from.what, |_| (), &[copy], |bytes| out.copy_from_slice(bytes))?;
             offset += out.len() as u64;
         }
@@ -176,7 +176,7 @@ impl Gpu {
         let bytes = copies.iter().map(|copy| copy.bytes).sum();
         let stage = self.stage(bytes)?;
         let (tell, told) = mpsc::channel();
-        self.checked(what, || {
+        let submission = self.checked(what, || {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             record(&mut encoder);
             let mut to = 0;
@@ -184,15 +184,16 @@ impl Gpu {
                 encoder.copy_buffer_to_buffer(copy.from, copy.offset, &stage, to, copy.bytes);
                 to += copy.bytes;
             }
-            self.queue.submit([encoder.finish()]);
+            let submission = self.queue.submit([encoder.finish()]);
             if bytes > 0 {
                 stage.map_async(wgpu::MapMode::Read, ..bytes, move |mapped| {
                     // Nobody listens any more where the device was lost.
                     let _ = tell.send(mapped);
                 });
             }
+            submission
         })?;
-        self.wait()?;
+        self.wait(submission)?;
         if bytes > 0 {
             let failed =
                 |message| GpuError::Invalid { adapter: self.adapter().name.clone(), what: what.into(), message };
@@ -211,7 +212,7 @@ impl Gpu {
         match known.filter(|stage| stage.size() >= bytes) {
             Some(stage) => Ok(stage),
             None => {
-                let size = bytes.next_power_of_two().clamp(4096, STAGE);
+                let size = bytes.next_power_of_two().max(4096);
                 self.create("stage", size, wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ)
             }
         }

@@ -199,9 +199,9 @@ impl Gpu {
         }
     }
 
-    /// Waits until the device has done all that it was told.
-    pub(crate) fn wait(&self) -> Result<()> {
-        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+    /// Waits until the device has done what it was told then.
+    pub(crate) fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<()> {
+        let done = self.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None });
         if let Err(error) = done {
             self.lost.lock().expect("only stores").get_or_insert_with(|| error.to_string());
         }

@@ -5,9 +5,12 @@
 //!
 //! - [`adapters`] lists what there is, the most capable first; software ones are marked: correctness only, their times mean nothing.
 //! - [`Gpu::shared`] is the device of a backend, opened once and shared by all methods; one that was lost is opened again.
-//! - A [`Resident`] buffer uploads only when the revision of what it holds changes. Uploads and downloads are counted apart.
+//! - A [`Resident`] buffer uploads only when the revision of what it holds changes, or the part of it that did. Uploads and downloads are
+//!   counted apart.
 //! - [`Gpu::run`] carries out named passes and leaves the device's own times on the meter; where a device cannot tell them, each pass
-//!   is submitted and waited for by itself in a span of wall time.
+//!   is submitted and waited for by itself in a span of wall time. [`Gpu::run_and_read`] brings a few numbers back in the same wait.
+//! - [`Gpu::parts`] splits items where a binding does not hold them all, [`Resident::items`] is what a pass is given of them.
+//! - [`Gpu::open_as`] opens an adapter as if it had less, for tests of what methods do then.
 //! - What can go wrong is a [`GpuError`]: no adapter, device lost, out of memory, a shader that does not compile.
 //!
 //! ```no_run

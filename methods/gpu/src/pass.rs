@@ -56,7 +56,7 @@ impl Gpu {
     ) -> Result<Vec<T>> {
         let bytes = (count * size_of::<T>()) as u64;
         meter.count("bytes downloaded", bytes);
-        let read = self.carry_out(passes, Some(Copy { from: from.buffer()?, offset: 0, bytes }), meter)?;
+        let read = self.carry_out(passes, Some(Copy { from: from.buffer(self)?, offset: 0, bytes }), meter)?;
         Ok(bytemuck::pod_collect_to_vec(&read))
     }
 
@@ -85,7 +85,7 @@ impl Gpu {
     }
 
     fn fits(&self, part: &Part<'_>) -> Result<()> {
-        part.buffer.buffer()?;
+        part.buffer.buffer(self)?;
         let limit = self.max_binding();
         let what = part.buffer.name().into();
         let too_large = || GpuError::TooLarge { adapter: self.adapter().name.clone(), what, bytes: part.bytes, limit };
@@ -155,17 +155,17 @@ impl Gpu {
 
     fn bindings(&self, pass: &Pass<'_>) -> wgpu::BindGroup {
         let buffers = pass.buffers.iter().enumerate();
-        let entries: Vec<_> = buffers.map(|(binding, part)| entry(binding as u32, part)).collect();
+        let entries: Vec<_> = buffers.map(|(binding, part)| self.entry(binding as u32, part)).collect();
         let layout = &pass.pipeline.layout;
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(pass.name), layout, entries: &entries })
     }
-}
 
-fn entry<'a>(binding: u32, part: &Part<'a>) -> wgpu::BindGroupEntry<'a> {
-    let buffer = part.buffer.buffer().expect("looked at before");
-    let size = std::num::NonZeroU64::new(part.bytes);
-    let resource = wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: part.offset, size });
-    wgpu::BindGroupEntry { binding, resource }
+    fn entry<'a>(&self, binding: u32, part: &Part<'a>) -> wgpu::BindGroupEntry<'a> {
+        let buffer = part.buffer.buffer(self).expect("looked at before");
+        let size = std::num::NonZeroU64::new(part.bytes);
+        let resource = wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: part.offset, size });
+        wgpu::BindGroupEntry { binding, resource }
+    }
 }
 
 /// Groups in two dimensions, none above the limit, that hold so many threads.

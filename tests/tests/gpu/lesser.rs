@@ -125,7 +125,6 @@ fn no_receivers_are_shaded() {
 
 /// More than a binding of lavapipe's 128 MiB holds. Takes lavapipe on two cores some seconds each: `--ignored` runs it.
 #[test]
-#[ignore = "takes long in software"]
 fn four_million_receivers_are_shaded() {
     let point = |i: usize| (glam::Vec3::new((i % 2000) as f32, (i / 2000) as f32, 0.0) / 500.0 - 2.0, glam::Vec3::Z);
     let points = (0..4_000_000).map(point).map(|(at, normal)| (at.with_z(0.0), normal)).collect();

@@ -13,6 +13,13 @@ fn direction(normal: vec3f) -> vec3f {
     return vec3f();
 }
 
+fn shaded_by_others(element: u32) -> Shadow {
+    let caster = casters[element];
+    let shadow = shadow(places[element].xyz, direction(caster.xyz));
+    casting[element] = vec4f(accessibility(shadow.sum) * caster.xyz, caster.w);
+    return shadow;
+}
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3u,
@@ -20,12 +27,9 @@ fn main(
     @builtin(local_invocation_index) place: u32,
 ) {
     let index = (group.y * groups.x + group.x) * 64u + place;
-    if index >= arrayLength(&elements) {
-        return;
+    var shadow = Shadow();
+    if index < arrayLength(&elements) {
+        shadow = shaded_by_others(elements[index]);
     }
-    let element = elements[index];
-    let caster = casters[element];
-    let shadow = shadow(places[element].xyz, direction(caster.xyz));
-    casting[element] = vec4f(accessibility(shadow.sum) * caster.xyz, caster.w);
-    tell(shadow);
+    tell(shadow, place);
 }

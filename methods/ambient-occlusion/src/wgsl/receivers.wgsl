@@ -12,16 +12,7 @@ struct Receiver {
 @group(0) @binding(5) var<storage, read> receivers: array<Receiver>;
 @group(0) @binding(6) var<storage, read_write> results: array<f32>;
 
-@compute @workgroup_size(64)
-fn main(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) place: u32,
-) {
-    let index = (group.y * groups.x + group.x) * 64u + place;
-    if index >= arrayLength(&receivers) {
-        return;
-    }
+fn shade(index: u32) -> Shadow {
     let receiver = receivers[index];
     let shadow = shadow(receiver.position, receiver.normal);
     let weights = rotate_zonal(CLAMPED_COSINE, receiver.normal);
@@ -32,5 +23,19 @@ fn main(
         }
         results[3u * index + channel] = receiver.albedo[channel] * irradiance * accessibility(shadow.sum);
     }
-    tell(shadow);
+    return shadow;
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) place: u32,
+) {
+    let index = (group.y * groups.x + group.x) * 64u + place;
+    var shadow = Shadow();
+    if index < arrayLength(&receivers) {
+        shadow = shade(index);
+    }
+    tell(shadow, place);
 }

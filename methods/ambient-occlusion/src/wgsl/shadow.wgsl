@@ -7,6 +7,9 @@
 /// Low and high words of: nodes summed, those of them that face the point, walks that did not come to their end.
 @group(0) @binding(3) var<storage, read_write> counters: array<atomic<u32>, 6>;
 
+/// The same of the threads of a group, so that few meet at the counters of all.
+var<workgroup> together: array<atomic<u32>, 3>;
+
 struct Shadow {
     sum: f32,
     nodes: u32,
@@ -59,16 +62,18 @@ fn accessibility(shadow: f32) -> f32 {
     return max(1f - shadow, 0f);
 }
 
-fn tell(shadow: Shadow) {
-    count(0u, shadow.nodes);
-    count(1u, shadow.facing);
-    count(2u, shadow.unfinished);
+/// Counts for all threads of a group, each of which calls it.
+fn tell(shadow: Shadow, place: u32) {
+    atomicAdd(&together[0], shadow.nodes);
+    atomicAdd(&together[1], shadow.facing);
+    atomicAdd(&together[2], shadow.unfinished);
+    workgroupBarrier();
+    if place < 3u {
+        count(place, atomicLoad(&together[place]));
+    }
 }
 
 fn count(counter: u32, amount: u32) {
-    if amount == 0u {
-        return;
-    }
     let before = atomicAdd(&counters[2u * counter], amount);
     if before + amount < before {
         atomicAdd(&counters[2u * counter + 1u], 1u);

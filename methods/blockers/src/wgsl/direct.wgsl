@@ -40,8 +40,9 @@ struct Receiver {
 /// What groups of threads counted: low and high words.
 @group(0) @binding(5) var<storage, read_write> counters: array<atomic<u32>, 2 * COUNTERS>;
 
-/// Circles, those below the smallest angle, additions, products, squares, receivers guarded, circles known before.
-const COUNTERS: u32 = 7u;
+/// Circles, those below the smallest angle, additions, products, squares, receivers guarded, circles known before,
+/// receivers whose loops were ended on the way.
+const COUNTERS: u32 = 8u;
 /// What this group of threads counted.
 var<workgroup> counted: array<atomic<u32>, COUNTERS>;
 
@@ -138,6 +139,15 @@ fn tell(counter: u32) {
     }
 }
 
+/// Whether loops still go to their end: lavapipe ends all of a thread's after 65 535 rounds in sum, each then in its first.
+fn loops_end() -> bool {
+    var rounds = 0u;
+    for (var i = 0u; i <= settings.order; i++) {
+        rounds++;
+    }
+    return rounds == settings.order + 1u;
+}
+
 fn shade(index: u32) {
     let receiver = receivers[index];
     let visibility = visibility_at(index, receiver);
@@ -151,6 +161,7 @@ fn shade(index: u32) {
             results[3u * index + channel] = light[channel];
         }
     }
+    count(7u, u32(!loops_end()));
 }
 
 @compute @workgroup_size(64)

@@ -146,7 +146,8 @@ fn errors_say_what_went_wrong() {
     assert!(error.to_string().contains("a huge buffer"), "{error}");
 
     let unfilled = Resident::new("never filled");
-    assert!(double(&gpu, &unfilled, 1, &mut NoMeter).unwrap_err().to_string().contains("never filled"));
+    let error = double(&gpu, &unfilled, 1, &mut NoMeter).unwrap_err().to_string();
+    assert!(error.contains("never filled") && error.contains(name), "{error}");
 
     assert!(matches!(Gpu::open(250), Err(GpuError::Unknown { .. })));
 

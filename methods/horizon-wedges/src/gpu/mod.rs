@@ -3,12 +3,13 @@
 //! What a frame needs is uploaded in `update` if it is new: the field, steps and wedges of the lights' swaths, receivers. Levels are made
 //! there. Horizons, visibility and radiance are passes of `evaluate`, and stay on the device until `read`.
 
-#[cfg(test)]
-mod planted;
 mod seers;
+#[cfg(test)]
+mod tests;
 mod views;
 mod words;
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use halflight_blockers::Tally;
@@ -34,8 +35,6 @@ pub(crate) type Edit = Box<dyn Fn(String) -> String + Send>;
 /// A member of the family made ready for a scene.
 pub(crate) struct GpuTerrain {
     gpu: Arc<Gpu>,
-    /// The most bytes of a buffer that a pass is given.
-    binding: u64,
     variant: Variant,
     params: Params,
     edit: Edit,
@@ -72,7 +71,6 @@ impl GpuTerrain {
         let (add, shade, pyramid) = compiled?;
         let [elevations, visibility, results] = ["elevations", "visibility", "results"].map(Resident::new);
         Ok(GpuTerrain {
-            binding: gpu.max_binding(),
             gpu,
             variant: *variant,
             params: job.params.clone(),
@@ -109,42 +107,42 @@ impl GpuTerrain {
     fn run(&mut self, plan: &Plan, meter: &mut dyn Meter) -> Result<()> {
         let size = 4 * coefficients(self.params.int(ORDER.name)) as u64;
         let azimuths = 4 * plan.azimuths.len() as u64;
-        // Parts begin at multiples of 256 bytes. Coefficients take more than receivers do, or as much.
-        let most = (self.binding / size.max(azimuths).max(32)) & !63;
-        let count = self.seers.len();
-        self.elevations.reserve(&self.gpu, azimuths * most.min(count))?;
-        self.visibility.reserve(&self.gpu, size * most.min(count))?;
-        for first in (0..count).step_by(most as usize) {
-            let receivers = most.min(count - first);
-            match self.quantity {
-                Quantity::Visibility { .. } => self.see(plan, first, receivers, meter)?,
-                _ => self.light(plan, first, receivers, meter)?,
+        let largest = size.max(azimuths).max(seers::BYTES);
+        let parts: Vec<Range<u64>> = self.gpu.parts(self.seers.len(), largest).collect();
+        let most = parts.first().map_or(0, |first| first.end);
+        self.elevations.reserve(&self.gpu, azimuths * most)?;
+        match self.quantity {
+            Quantity::Visibility { .. } => parts.into_iter().try_for_each(|part| self.see(plan, part, meter)),
+            _ => {
+                self.visibility.reserve(&self.gpu, size * most)?;
+                parts.into_iter().try_for_each(|part| self.light(plan, part, meter))
             }
         }
-        Ok(())
     }
 
     /// Visibilities of some receivers through the complete swath, which is the last view.
-    fn see(&self, plan: &Plan, first: u64, receivers: u64, meter: &mut dyn Meter) -> Result<()> {
-        let (places, elevations) = (self.seers.places(first, receivers), self.elevations.whole());
-        let looks = self.pyramid.buffers(places, elevations);
-        let sums = self.sum(plan.views.len() - 1, places, self.part(first, receivers));
-        let sum = Pass { name: "wedges", pipeline: &self.add, buffers: &sums, threads: receivers };
-        Ok(self.gpu.run(&[self.pyramid.pass(&looks, receivers), sum], meter)?)
+    fn see(&self, plan: &Plan, part: Range<u64>, meter: &mut dyn Meter) -> Result<()> {
+        let (places, results) = (self.seers.places(&part), self.results_of(&part));
+        let looks = self.pyramid.buffers(places, self.elevations.whole());
+        let sums = self.sum(plan.views.len() - 1, places, results);
+        let threads = part.end - part.start;
+        let sum = Pass { name: "wedges", pipeline: &self.add, buffers: &sums, threads };
+        Ok(self.gpu.run(&[self.pyramid.pass(&looks, threads), sum], meter)?)
     }
 
     /// Radiance of some receivers by all views.
-    fn light(&self, plan: &Plan, first: u64, receivers: u64, meter: &mut dyn Meter) -> Result<()> {
-        let (places, visibility) = (self.seers.places(first, receivers), self.visibility.whole());
+    fn light(&self, plan: &Plan, part: Range<u64>, meter: &mut dyn Meter) -> Result<()> {
+        let (places, visibility) = (self.seers.places(&part), self.visibility.whole());
+        let (seers, results) = (self.seers.receivers(&part), self.results_of(&part));
         let looks = self.pyramid.buffers(places, self.elevations.whole());
-        let sums: Vec<_> = (0..plan.views.len()).map(|view| self.sum(view, places, visibility)).collect();
-        let (seers, results) = (self.seers.receivers(first, receivers), self.part(first, receivers));
-        let lights: Vec<_> =
-            (0..plan.views.len()).map(|view| [self.views.parts(view)[0], seers, visibility, results]).collect();
-        let mut passes = vec![self.pyramid.pass(&looks, receivers)];
+        let views = 0..plan.views.len();
+        let sums: Vec<_> = views.clone().map(|view| self.sum(view, places, visibility)).collect();
+        let lights: Vec<_> = views.map(|view| [self.views.parts(view)[0], seers, visibility, results]).collect();
+        let threads = part.end - part.start;
+        let mut passes = vec![self.pyramid.pass(&looks, threads)];
         for (sum, light) in sums.iter().zip(&lights) {
-            passes.push(Pass { name: "wedges", pipeline: &self.add, buffers: sum, threads: receivers });
-            passes.push(Pass { name: "shade", pipeline: &self.shade, buffers: light, threads: receivers });
+            passes.push(Pass { name: "wedges", pipeline: &self.add, buffers: sum, threads });
+            passes.push(Pass { name: "shade", pipeline: &self.shade, buffers: light, threads });
         }
         Ok(self.gpu.run(&passes, meter)?)
     }
@@ -156,9 +154,8 @@ impl GpuTerrain {
     }
 
     /// Results of some receivers.
-    fn part(&self, first: u64, receivers: u64) -> Part<'_> {
-        let each = 4 * self.quantity.channels() as u64;
-        self.results.part(first * each, receivers * each)
+    fn results_of(&self, part: &Range<u64>) -> Part<'_> {
+        self.results.items(part.clone(), 4 * self.quantity.channels() as u64)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Receivers on the device: the valid ones, without gaps.
 
+use std::ops::Range;
+
 use halflight_contract::{Meter, Result};
 use halflight_gpu::{Gpu, Part, Resident};
 use halflight_horizons::place;
@@ -8,7 +10,7 @@ use halflight_scenes::Receivers;
 use crate::shading::Ground;
 
 /// Bytes of a receiver's normal and albedo, each padded.
-const BYTES: u64 = 32;
+pub(super) const BYTES: u64 = 32;
 
 /// Bytes of where a receiver is on the field.
 const PLACE: u64 = 16;
@@ -60,13 +62,13 @@ impl Seers {
     }
 
     /// Where some are on the field.
-    pub(super) fn places(&self, first: u64, count: u64) -> Part<'_> {
-        self.places.part(first * PLACE, count * PLACE)
+    pub(super) fn places(&self, part: &Range<u64>) -> Part<'_> {
+        self.places.items(part.clone(), PLACE)
     }
 
     /// Normals and albedos of some.
-    pub(super) fn receivers(&self, first: u64, count: u64) -> Part<'_> {
-        self.receivers.part(first * BYTES, count * BYTES)
+    pub(super) fn receivers(&self, part: &Range<u64>) -> Part<'_> {
+        self.receivers.items(part.clone(), BYTES)
     }
 
     /// Values of those on the device, so many each, among those of all, which are 0.

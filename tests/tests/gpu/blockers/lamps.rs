@@ -1,5 +1,6 @@
 //! Lamps, alone and beside distant light.
 
+use glam::Vec3;
 use halflight_contract::Quantity;
 use halflight_scenes::{Emission, Object, Rgb, Scene, Shape, Sphere};
 use halflight_tests::checks::Case;
@@ -11,7 +12,7 @@ use crate::ROUNDING;
 /// Three lamps over two lights' spheres: near the ground, high, and far with next to nothing of a circle.
 fn lamps() -> Scene {
     let lamp = |x, y, z, radius, radiance| {
-        let spheres = vec![fixtures::sphere(glam::Vec3::new(x, y, z), radius)];
+        let spheres = vec![fixtures::sphere(Vec3::new(x, y, z), radius)];
         Object { emission: Emission::Even(radiance), ..fixtures::spheres("lamp", spheres) }
     };
     let mut scene = fixtures::two_lights();
@@ -42,11 +43,14 @@ fn emitters(scene: &Scene) -> Vec<(Sphere, f32)> {
 fn allowed(scene: &Scene, order: u8, lobes: bool, visibility: f32) -> f32 {
     let (frame, n) = (scene.frame(0), f32::from(order));
     let entry = if lobes { n * ROUNDING.sqrt() } else { 0.0 };
-    let one = |(sphere, radiance): &(Sphere, f32)| {
-        let nearest = frame.receivers.position.iter().map(|p| p.distance(sphere.center)).fold(f32::INFINITY, f32::min);
-        radiance * (sphere.radius / nearest).powi(2) * (n * visibility + 2.0 * 40.0 * ROUNDING * n + entry)
+    let each = n * visibility + 2.0 * 40.0 * ROUNDING * n + entry;
+    let one = |position: Vec3, (sphere, radiance): &(Sphere, f32)| {
+        let distance = position.distance(sphere.center);
+        if distance > sphere.radius { radiance * (sphere.radius / distance).powi(2) * each } else { 0.0 }
     };
-    emitters(scene).iter().map(one).sum()
+    let lamps = emitters(scene);
+    let at = |position: &Vec3| lamps.iter().map(|lamp| one(*position, lamp)).sum();
+    frame.receivers.position.iter().map(at).fold(0.0, f32::max)
 }
 
 #[test]
@@ -73,19 +77,19 @@ fn backends_agree_on_lamps() {
     }
 }
 
-/// At the centre, inside, on the surface, straight below, beside, behind, and far away.
+/// At the centre, inside, next to the surface, straight below, beside, behind, and far away.
 #[test]
 fn lamps_are_finite_wherever_receivers_are() {
-    let at = glam::Vec3::new(0.2, -0.3, 1.1);
-    let offsets = [0.0, 1e-30, 1e-3, 0.25, 0.250_000_1, 0.3, 1.0, 1e6, 1e18, 3e19, 1e25];
-    let directions = [-glam::Vec3::Z, glam::Vec3::X, glam::Vec3::new(0.6, 0.0, 0.8)];
+    let at = Vec3::new(0.2, -0.3, 1.1);
+    let offsets = [0.0, 1e-30, 1e-3, 0.2499, 0.2501, 0.3, 1.0, 1e6, 1e18, 3e19, 1e25];
+    let directions = [-Vec3::Z, Vec3::X, Vec3::new(0.6, 0.0, 0.8)];
     let places = offsets.iter().flat_map(|offset| directions.map(|d| at + *offset * d));
-    let points = places.flat_map(|p| [glam::Vec3::Z, -glam::Vec3::Z, glam::Vec3::Y].map(|n| (p, n))).collect();
+    let points = places.flat_map(|p| [Vec3::Z, -Vec3::Z, Vec3::Y].map(|n| (p, n))).collect();
     let lamp = |radius, radiance| Object {
         emission: Emission::Even(Rgb::splat(radiance)),
         ..fixtures::spheres("lamp", vec![fixtures::sphere(at, radius)])
     };
-    let ball = fixtures::spheres("ball", vec![fixtures::sphere(at - glam::Vec3::Z, 0.3)]);
+    let ball = fixtures::spheres("ball", vec![fixtures::sphere(at - Vec3::Z, 0.3)]);
     let objects = vec![lamp(0.25, 3.0), lamp(1e-6, 1e6), lamp(1e-25, 1.0), ball];
     let scene =
         fixtures::scene("lamps", objects, Vec::new(), halflight_scenes::Placement::Points(std::sync::Arc::new(points)));
@@ -94,10 +98,12 @@ fn lamps_are_finite_wherever_receivers_are() {
         for settings in ["order=2", "order=2 guard=false", "order=2 lamps=lobe"] {
             let case = Case::new(method, &scene, Quantity::Direct).tuned(tuned(method, settings));
             let largest = apart(&case);
-            println!("{id} {settings}: {largest:.1e} apart");
+            let visibility = tolerance(2, Seen::of(&scene));
+            let allowed = visibility + allowed(&scene, 2, settings.contains("lobe"), visibility);
+            println!("{id} {settings}: {largest:.1e} apart, {allowed:.1e} allowed");
             let gpu = crate::on(halflight_contract::Backend::GPU, &case);
             assert!(gpu.iter().all(|value| value.is_finite()), "{id} {settings}");
-            assert!(largest < 1e-3, "{id} {settings}: {largest:e}");
+            assert!(largest <= allowed, "{id} {settings}: {largest:e} > {allowed:e}");
         }
     }
 }
