@@ -112,6 +112,8 @@ fn timed(pair: &Pair<'_>, text: impl FnOnce(&Row) -> String) -> String {
 }
 
 fn duration(row: &Row, span: &str) -> String {
+    // Columns are narrow: an interval may break between its ends, a time before its unit may not.
+    let time = |nanoseconds| time(nanoseconds).replace(' ', "\u{a0}");
     let found = row.span(span).and_then(|timing| median_interval(&timing.nanoseconds));
     found.map_or("–".into(), |Interval { median, low, high, count }| match count {
         1 => format!("{}<small>once</small>", time(median)),
