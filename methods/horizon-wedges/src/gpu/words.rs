@@ -20,12 +20,12 @@ pub(super) fn wedges_text(order: usize) -> String {
         writeln!(text, "const {name}: u32 = {value}u;").expect("a string");
     }
     writeln!(text, "const PER_RADIAN: f32 = {:?}f;", PER_RADIAN as f32).expect("a string");
-    text + include_str!("view.wgsl") + include_str!("wedges.wgsl")
+    text + include_str!("../wgsl/view.wgsl") + include_str!("../wgsl/wedges.wgsl")
 }
 
 /// The text of what shades.
 pub(super) fn shade_text(order: usize) -> String {
-    wgsl::algebra(order) + include_str!("view.wgsl") + include_str!("shade.wgsl")
+    wgsl::algebra(order) + include_str!("../wgsl/view.wgsl") + include_str!("../wgsl/shade.wgsl")
 }
 
 /// Fours of coefficients.

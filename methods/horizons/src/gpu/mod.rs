@@ -53,11 +53,11 @@ impl GpuPyramid {
     /// The device is lost, or an edited text does not compile.
     pub fn new(gpu: &Arc<Gpu>, settings: Settings, border: Border, edit: Edit<'_>) -> Result<Self> {
         use Access::{Read, Write};
-        let grids = include_str!("grids.wgsl");
+        let grids = include_str!("../wgsl/grids.wgsl");
         let compile = |label, parts: &[&str], buffers: &[Access]| gpu.pipeline(label, &edit(parts.join("\n")), buffers);
         let plane = match settings.reconstruction.plane {
             Plane::Bilinear => BILINEAR,
-            Plane::BSpline => include_str!("b_spline.wgsl"),
+            Plane::BSpline => include_str!("../wgsl/b_spline.wgsl"),
         };
         let storage = if settings.storage == Storage::Decimated { Storage::Octaves } else { settings.storage };
         Ok(GpuPyramid {
@@ -68,17 +68,17 @@ impl GpuPyramid {
             azimuths: Vec::new(),
             decimate: compile(
                 "decimate",
-                &[BILINEAR, grids, include_str!("decimate.wgsl")],
+                &[BILINEAR, grids, include_str!("../wgsl/decimate.wgsl")],
                 &[Read, Read, Read, Write],
             )?,
             bring_back: compile(
                 "bring back",
-                &[plane, grids, include_str!("bring_back.wgsl")],
+                &[plane, grids, include_str!("../wgsl/bring_back.wgsl")],
                 &[Read, Read, Read, Write],
             )?,
             look: compile(
                 "horizons",
-                &[&constants(), BILINEAR, grids, include_str!("look.wgsl")],
+                &[&constants(), BILINEAR, grids, include_str!("../wgsl/look.wgsl")],
                 &[Read, Read, Read, Read, Read, Write],
             )?,
             heights: Resident::new("heights"),
@@ -199,7 +199,7 @@ fn looked_at(shape: &Shape) -> Range<usize> {
     shape.coarsest()..shape.levels.len()
 }
 
-const BILINEAR: &str = include_str!("bilinear.wgsl");
+const BILINEAR: &str = include_str!("../wgsl/bilinear.wgsl");
 
 /// The numbers that the CPU has too.
 fn constants() -> String {
