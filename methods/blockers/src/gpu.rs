@@ -10,6 +10,7 @@ mod baked;
 mod cuts;
 mod lamps;
 mod shader;
+mod work;
 
 use std::sync::Arc;
 
@@ -29,6 +30,9 @@ pub use shader::{Needs, Text, source};
 
 /// A receiver as the shader sees it: position and cluster, geometric normal, normal and albedo, each padded.
 type Seer = [[f32; 4]; 4];
+
+/// The only pass.
+const PASS: &str = "accumulate and shade";
 
 /// What the shader counts, as it numbers them.
 const COUNTERS: usize = 8;
@@ -187,11 +191,26 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
             (threads, buffers)
         };
         let parts: Vec<_> = (0..count).step_by(most as usize).map(part).collect();
-        let pass =
-            |(threads, buffers)| Pass { name: "accumulate and shade", pipeline: &self.pipeline, buffers, threads };
+        let pass = |(threads, buffers)| Pass { name: PASS, pipeline: &self.pipeline, buffers, threads };
         let passes: Vec<_> = parts.iter().map(|(threads, buffers)| pass((*threads, buffers.as_slice()))).collect();
         let words: Vec<[u32; 2]> = self.gpu.run_and_read(&passes, &self.counters, COUNTERS, meter)?;
         Ok(std::array::from_fn(|i| u64::from(words[i][0]) | u64::from(words[i][1]) << 32))
+    }
+
+    /// What is on the device; a pass reads or writes all of it.
+    fn device_bytes(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        let buffers = [
+            ("settings", &self.settings),
+            ("receivers", &self.receivers),
+            ("spheres", &self.spheres),
+            ("tables", &self.tables),
+            ("result", &self.results),
+            ("counters", &self.counters),
+        ];
+        (buffers.into_iter().map(|(purpose, buffer)| (purpose, buffer.bytes())))
+            .chain(self.cuts.iter().flat_map(Cuts::device_bytes))
+            .chain(self.baked.iter().map(|baked| ("baked blockers", baked.device_bytes())))
+            .chain(self.lamps.iter().flat_map(Lamps::bytes))
     }
 
     fn report(&self, receivers: &Receivers, counted: [u64; COUNTERS], meter: &mut dyn Meter) -> Result<()> {
@@ -209,7 +228,11 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
             None => self.valid.len() as u64 * self.stage.spheres.spheres.len() as u64,
         };
         let tally = Tally { accumulated, too_small, removed: looked_at - accumulated - too_small };
-        report(meter, receivers, &tally, &Work { additions, products, squares, guarded, kept });
+        let work = Work { additions, products, squares, guarded, kept };
+        report(meter, receivers, &tally, &work);
+        let (order, shaded) = (params::accumulated_order(&self.params), self.quantity == Quantity::Direct);
+        let operations = work::operations(order, self.valid.len() as u64, shaded, &tally, &work);
+        meter.work(PASS, operations, self.device_bytes().map(|(_, bytes)| bytes).sum());
         self.cuts.iter().for_each(|cuts| cuts.report(meter));
         Ok(())
     }
@@ -217,7 +240,7 @@ impl<'s, A: Accumulator> GpuDirectLight<'s, A> {
 
 fn compile(gpu: &Gpu, text: &Text, params: &Params, needs: Needs) -> Result<Arc<Pipeline>> {
     let order = params::accumulated_order(params);
-    Ok(gpu.pipeline("accumulate and shade", &text(order, needs), &needs.buffers())?)
+    Ok(gpu.pipeline(PASS, &text(order, needs), &needs.buffers())?)
 }
 
 fn seer(receivers: &Receivers, i: usize, cluster: u32) -> Seer {
@@ -234,26 +257,11 @@ fn words(spheres: &[Sphere]) -> Vec<[f32; 4]> {
 
 impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
     fn footprint(&self) -> Footprint {
-        let buffers = [
-            ("settings", &self.settings),
-            ("receivers", &self.receivers),
-            ("spheres", &self.spheres),
-            ("tables", &self.tables),
-            ("result", &self.results),
-            ("counters", &self.counters),
-        ];
-        let (cuts, baked) = (self.cuts.as_ref(), self.baked.as_ref());
-        let host = cuts
-            .into_iter()
-            .flat_map(Cuts::host_bytes)
-            .chain(baked.map(|baked| ("baked blockers", baked.host_bytes())));
-        let device = (buffers.iter().map(|(purpose, buffer)| (*purpose, buffer.bytes())))
-            .chain(cuts.into_iter().flat_map(Cuts::device_bytes))
-            .chain(baked.map(|baked| ("baked blockers", baked.device_bytes())))
-            .chain(self.lamps.iter().flat_map(Lamps::bytes));
+        let host = (self.cuts.iter().flat_map(Cuts::host_bytes))
+            .chain(self.baked.iter().map(|baked| ("baked blockers", baked.host_bytes())));
         let footprint = self.stage.footprint().host("receivers", size_of_val(self.valid.as_slice()));
         let footprint = host.fold(footprint, |sum, (purpose, bytes)| sum.host(purpose, bytes));
-        device.fold(footprint, |sum, (purpose, bytes)| sum.device(purpose, bytes))
+        self.device_bytes().fold(footprint, |sum, (purpose, bytes)| sum.device(purpose, bytes))
     }
 
     fn retune(&mut self, params: &Params) -> Result<()> {
@@ -293,7 +301,7 @@ impl<A: Accumulator> Prepared for GpuDirectLight<'_, A> {
         }
         self.counters.upload(&self.gpu, meter, &[0u32; 2 * COUNTERS])?;
         self.results.reserve(&self.gpu, 4 * (self.valid.len() * quantity.channels()) as u64)?;
-        let counted = timed(meter, "accumulate and shade", |meter| self.shade(meter))?;
+        let counted = timed(meter, PASS, |meter| self.shade(meter))?;
         self.report(receivers, counted, meter)
     }
 

@@ -6,7 +6,9 @@ mod blockers;
 mod lesser;
 mod wedges;
 
-use halflight_contract::{Backend, Method, Params};
+use std::collections::{BTreeMap, BTreeSet};
+
+use halflight_contract::{Backend, Cache, Flow, Job, Meter, Method, Params};
 use halflight_tests::checks::{self, Case};
 use halflight_tests::fixtures;
 
@@ -42,5 +44,45 @@ fn the_contract_holds_on_the_gpu() {
         for (case, (_, check)) in cases.iter().flat_map(|case| checks::CHECKS.iter().map(move |check| (case, check))) {
             check(case).unwrap_or_else(|violation| panic!("{violation}"));
         }
+    }
+}
+
+/// Passes by the device's clock, and the operations and bytes that are told of each.
+#[derive(Debug, Default)]
+struct Told {
+    timed: BTreeSet<&'static str>,
+    worked: BTreeMap<&'static str, [u64; 2]>,
+}
+
+impl Meter for Told {
+    fn begin(&mut self, _: &'static str) {}
+    fn end(&mut self) {}
+    fn count(&mut self, _: &'static str, _: u64) {}
+    fn progress(&mut self, _: &'static str, _: u64, _: u64) -> Flow {
+        Flow::Continue
+    }
+    fn derived(&mut self, _: &'static str, _: u64) {}
+    fn gpu(&mut self, pass: &'static str, _: u64) {
+        self.timed.insert(pass);
+    }
+    fn work(&mut self, pass: &'static str, operations: u64, bytes: u64) {
+        let sum = self.worked.entry(pass).or_default();
+        *sum = [sum[0] + operations, sum[1] + bytes];
+    }
+}
+
+#[test]
+fn each_pass_tells_what_it_did() {
+    let scenes = fixtures::all();
+    for method in methods() {
+        let case = scenes.iter().flat_map(|scene| Case::all(method, scene, Backend::GPU)).find(Case::is_supported);
+        let case = case.unwrap_or_else(|| panic!("{} runs no case", method.info().id)).tuned(with_order(method, 2));
+        let (mut told, cache) = (Told::default(), Cache::in_memory());
+        let job = Job::new(case.scene, &case.params, 1, Backend::GPU, &cache);
+        let mut prepared = method.prepare(&job, &mut told).expect("is supported");
+        prepared.update(&case.frames[0], &mut told).expect("updates");
+        prepared.evaluate(&case.frames[0], case.quantity, &mut told).expect("shades");
+        assert!(!told.timed.is_empty() && told.timed.iter().eq(told.worked.keys()), "{}: {told:?}", method.info().id);
+        assert!(told.worked.values().flatten().all(|amount| *amount > 0), "{}: {told:?}", method.info().id);
     }
 }

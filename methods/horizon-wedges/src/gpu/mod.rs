@@ -8,6 +8,7 @@ mod seers;
 mod tests;
 mod views;
 mod words;
+mod work;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -127,7 +128,10 @@ impl GpuTerrain {
         let sums = self.sum(plan.views.len() - 1, places, results);
         let threads = part.end - part.start;
         let sum = Pass { name: "wedges", pipeline: &self.add, buffers: &sums, threads };
-        Ok(self.gpu.run(&[self.pyramid.pass(&looks, threads), sum], meter)?)
+        self.gpu.run(&[self.pyramid.pass(&looks, threads), sum], meter)?;
+        self.pyramid.tell_horizons(threads, meter);
+        work::tell_seen(plan, threads, self.quantity.channels() as u64, meter);
+        Ok(())
     }
 
     /// Radiance of some receivers by all views.
@@ -144,7 +148,10 @@ impl GpuTerrain {
             passes.push(Pass { name: "wedges", pipeline: &self.add, buffers: sum, threads });
             passes.push(Pass { name: "shade", pipeline: &self.shade, buffers: light, threads });
         }
-        Ok(self.gpu.run(&passes, meter)?)
+        self.gpu.run(&passes, meter)?;
+        self.pyramid.tell_horizons(threads, meter);
+        work::tell_lit(plan, threads, meter);
+        Ok(())
     }
 
     /// Buffers of a view's wedges.

@@ -1,6 +1,7 @@
 //! A [`Pyramid`](crate::Pyramid) on a graphics processor: the field is uploaded when it changed, levels and horizons are made and stay there.
 
 mod words;
+mod work;
 
 use std::fmt::Write;
 use std::ops::Range;
@@ -166,7 +167,9 @@ impl GpuPyramid {
         let buffers = [self.grids.whole(), self.heights.whole(), levels, self.back.whole()];
         let threads = words::samples(&shape.back[looked_at(shape)]);
         passes.push(Pass { name: "bring back", pipeline: &self.bring_back, buffers: &buffers, threads });
-        self.gpu.run(&passes, meter)
+        self.gpu.run(&passes, meter)?;
+        self.tell_levels(shape, meter);
+        Ok(())
     }
 
     /// The buffers of [`GpuPyramid::pass`] for receivers at [`place`]s, four words each, and their elevations in radians: of all receivers

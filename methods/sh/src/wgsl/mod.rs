@@ -15,6 +15,7 @@
 //! | `guarded(g)` | [`project_binary_bound`](crate::project_binary_bound) |
 
 mod bands;
+mod operations;
 
 use std::fmt::Write;
 
@@ -22,6 +23,8 @@ use crate::exp::{linear_pieces, unclipped_norm};
 use crate::order::assert_order;
 use crate::pieces::{DEGREE, PIECES};
 use crate::small::TERMS;
+
+pub use operations::{Operations, operations};
 
 /// What is generated for each order.
 const GENERATED: [&str; crate::MAX_ORDER] = [
