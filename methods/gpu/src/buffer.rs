@@ -195,11 +195,11 @@ impl Gpu {
         })?;
         self.wait(submission)?;
         if bytes > 0 {
-            let failed =
-                |message| GpuError::Invalid { adapter: self.adapter().name.clone(), what: what.into(), message };
             // Another thread that waits may be the one that tells.
-            told.recv().map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
-            read(&stage.get_mapped_range(..bytes).map_err(|error| failed(error.to_string()))?);
+            told.recv()
+                .map_err(|error| self.failed(what, error.to_string()))?
+                .map_err(|error| self.failed(what, error.to_string()))?;
+            read(&stage.get_mapped_range(..bytes).map_err(|error| self.failed(what, error.to_string()))?);
             stage.unmap();
         }
         self.stages.lock().expect("only stores").push(stage);

@@ -195,8 +195,15 @@ impl Gpu {
             Some(wgpu::Error::OutOfMemory { .. }) => {
                 Err(GpuError::OutOfMemory { adapter: adapter(), what: what.into() })
             }
-            Some(error) => Err(GpuError::Invalid { adapter: adapter(), what: what.into(), message: error.to_string() }),
+            Some(error) => Err(self.failed(what, error.to_string())),
         }
+    }
+
+    /// Why something failed: the device's loss if it is lost, which may be told later than what it does.
+    pub(crate) fn failed(&self, what: &str, message: String) -> GpuError {
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        let adapter = self.adapter.name.clone();
+        self.present().err().unwrap_or_else(|| GpuError::Invalid { adapter, what: what.into(), message })
     }
 
     /// Waits until the device has done what it was told then.
@@ -218,10 +225,9 @@ impl Gpu {
 
     /// Gives the device up, as if it had been lost: every later call is [`GpuError::Lost`].
     pub fn give_up(&self) {
-        self.device.destroy();
-        // The callback comes with the next look at the device, which cannot fail in a way that matters.
-        let _ = self.device.poll(wgpu::PollType::Poll);
+        // First, so that others know why what they are at fails.
         self.lost.lock().expect("only stores").get_or_insert_with(|| "given up".into());
+        self.device.destroy();
     }
 }
 
