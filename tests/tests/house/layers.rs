@@ -58,7 +58,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "scenes",
         ],
     ),
-    ("tests", &["methods/contract", "scenes"]),
+    ("tests", &["methods/contract", "methods/gpu", "scenes"]),
 ];
 
 /// What a family may link: what lies below it, and never its judge.
